@@ -1,0 +1,1 @@
+"""Metadata: what people write about campaigns, runs, calibrations and the workflow, validated."""

@@ -1,0 +1,213 @@
+"""What all metadata models share: strictness, plain-word faults, and the small types they are built from."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+import typing
+from typing import Annotated, Any, Self
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
+from pydantic_core import PydanticCustomError
+
+from fogreduce.errors import BadInput, Fault
+from fogreduce.metadata.yaml12 import kind_of, load_yaml
+
+#: Names of campaigns, runs, units and calibration versions.
+NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
+_NAME_IN_WORDS = "a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a letter or digit"
+
+
+class Model(BaseModel):
+    """Frozen; refuses unknown keys, text for numbers, true for 1, NaN and infinity."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        strict=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        serialize_by_alias=True,
+    )
+
+    @classmethod
+    def from_data(cls, data: object, file: str | os.PathLike[str]) -> Self:
+        """Validate plain data read from `file`; BadInput with every fault."""
+        try:
+            return cls.model_validate(data)
+        except ValidationError as error:
+            raise BadInput(*faults_of(error, file, cls)) from None
+
+    @classmethod
+    def from_yaml(cls, path: str | os.PathLike[str]) -> Self:
+        """Read and validate a YAML file; BadInput with every fault."""
+        return cls.from_data(load_yaml(path), path)
+
+
+def unexpected(expected: str, *, found: str = "", key: str = "") -> PydanticCustomError:
+    """What a validator raises: `expected` in plain words; `found` where the value itself does not say it;
+    `key` (below the place of the validator) where a check of several keys blames one of them."""
+    return contradictions([(key, found, expected)])
+
+
+def contradictions(wrong: list[tuple[str, str, str]]) -> PydanticCustomError:
+    """The same for several faults at once, each (key, found, expected)."""
+    return PydanticCustomError("unexpected", "several values do not fit together", {"wrong": wrong})
+
+
+def faults_of(
+    error: ValidationError, file: str | os.PathLike[str], model: type[BaseModel] | None = None
+) -> list[Fault]:
+    """One Fault for each of pydantic's errors, with the key's dotted path, in plain words.
+
+    Parameters
+    ----------
+    error : ValidationError
+    file : path
+        The file at fault.
+    model : type, optional
+        The model that was validated: lets an unknown key be answered with the known ones.
+    """
+    faults = []
+    for item in error.errors(include_url=False):
+        location = tuple(part for part in item["loc"] if part != "[key]")
+        if item["type"] == "unexpected":
+            for key, found, expected in item["ctx"]["wrong"]:
+                where = dotted((*location, key) if key else location)
+                faults.append(Fault(os.fspath(file), where, found or kind_of(item["input"]), expected))
+            continue
+        found, expected = _found_and_expected(
+            item["type"], item["input"], item.get("ctx", {}), location, model
+        )
+        if item["loc"][-1:] == ("[key]",):
+            found = f"the key {location[-1]}"
+        faults.append(Fault(os.fspath(file), dotted(location), found, expected))
+    return faults
+
+
+def dotted(location: tuple[int | str, ...]) -> str:
+    """``("table", "profile", 0, "rate_deg_s")`` as ``table.profile[0].rate_deg_s``."""
+    text = ""
+    for part in location:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    return text
+
+
+_TYPES = {
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "float_parsing": "a number",
+    "int_parsing": "a whole number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "string_type": "text (quote it if it looks like a number)",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "dict_type": "a mapping",
+    "model_type": "a mapping",
+    "finite_number": "a finite number",
+}
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+
+
+def _found_and_expected(
+    kind: str,
+    value: object,
+    context: dict[str, Any],
+    location: tuple[int | str, ...],
+    model: type[BaseModel] | None,
+) -> tuple[str, str]:
+    """A pydantic error in plain words."""
+    found = kind_of(value)
+    if kind == "missing":
+        return "nothing", _described(model, location) or "this key (it is required)"
+    if kind == "extra_forbidden":
+        return _unknown_key(model, location)
+    if kind in _TYPES:
+        return found, _TYPES[kind]
+    if kind in _BOUNDS:
+        name, words = _BOUNDS[kind]
+        return found, f"a number, {words} {context[name]:g}"
+    if kind == "literal_error":
+        return found, str(context["expected"]).replace("'", "")
+    if kind == "string_pattern_mismatch":
+        return found, _NAME_IN_WORDS if context[
+            "pattern"
+        ] == NAME_PATTERN else f"text like {context['pattern']}"
+    if kind in ("too_short", "too_long"):
+        bound = "at least" if kind == "too_short" else "at most"
+        return (
+            f"{context['actual_length']} entries",
+            f"{bound} {context.get('min_length', context.get('max_length'))}",
+        )
+    if kind == "string_too_long":
+        return found, f"text of at most {context['max_length']} characters"
+    return found, kind.replace("_", " ")
+
+
+def _model_at(model: type[BaseModel] | None, location: tuple[int | str, ...]) -> type[BaseModel] | None:
+    """The model that validates what lies at `location` below `model`."""
+    for part in location:
+        if isinstance(part, int) or model is None:
+            continue
+        fields = {info.alias or name: info for name, info in model.model_fields.items()}
+        model = _model_in(fields[part].annotation) if part in fields else None
+    return model
+
+
+def _model_in(annotation: object) -> type[BaseModel] | None:
+    """The first model named in a type such as ``tuple[Step, ...] | None``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for argument in typing.get_args(annotation):
+        if found := _model_in(argument):
+            return found
+    return None
+
+
+def _unknown_key(model: type[BaseModel] | None, location: tuple[int | str, ...]) -> tuple[str, str]:
+    parent = _model_at(model, location[:-1])
+    if parent is None:
+        return "an unknown key", "no such key"
+    known = [info.alias or name for name, info in parent.model_fields.items()]
+    close = difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.6)
+    return f"an unknown key (did you mean {close[0]}?)" if close else "an unknown key", "one of " + ", ".join(
+        known
+    )
+
+
+def _described(model: type[BaseModel] | None, location: tuple[int | str, ...]) -> str:
+    parent = _model_at(model, location[:-1])
+    for name, info in parent.model_fields.items() if parent else ():
+        if (info.alias or name) == location[-1] and info.description:
+            return " ".join(info.description.split()).rstrip(".")
+    return ""
+
+
+def _plain_file_name(text: str) -> str:
+    if re.search(r"[/\\\x00-\x1f]", text) or text in ("", ".", "..") or len(text.encode()) > 255:
+        raise unexpected("a plain file name in the same folder (no path)")
+    return text
+
+
+def _sign(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | float) or value not in (1, -1):
+        raise unexpected("1 or -1")
+    return int(value)
+
+
+Name = Annotated[str, Field(pattern=NAME_PATTERN)]
+FileName = Annotated[str, AfterValidator(_plain_file_name)]
+Sign = Annotated[int, BeforeValidator(_sign), Field(json_schema_extra={"enum": [1, -1]})]
+NotNegative = Annotated[float, Field(ge=0)]
+
+#: Lists become tuples, so that a frozen model is frozen all the way down.
+Reals = Annotated[tuple[float, ...], Strict(False), Field(min_length=1)]
+NotNegatives = Annotated[tuple[NotNegative, ...], Strict(False), Field(min_length=1)]
+Triple = Annotated[tuple[float, float, float], Strict(False)]

@@ -1,0 +1,215 @@
+"""A calibration record (schema fogreduce/calibration/1): immutable, chosen by id and validity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, Strict, model_validator
+
+from fogreduce.metadata.base import Model, Name, NotNegatives, Reals, Triple, contradictions
+from fogreduce.metadata.instant import Instant, instant_text
+
+
+@dataclass(frozen=True)
+class Default:
+    """A value that stands in, for every gyro, where a record states none; and why that value."""
+
+    value: float
+    reason: str
+
+
+#: Standard deviations where a record states none: those of a tactical-grade fibre-optic gyro (IEEE 952 terms).
+#: A record that states its own always wins.
+DEFAULT_UNCERTAINTY = {
+    "scale_factor_rel": Default(1e-4, "100 ppm: the usual scale-factor accuracy of a tactical-grade unit"),
+    "bias_deg_h": Default(1.0, "1 deg/h: one calibration knows a bias no better than it repeats"),
+    "axis_rad": Default(1e-4, "0.1 mrad (20 arcsec): what a unit's mounting face lets a table resolve"),
+    "turn_on_bias_deg_h": Default(1.0, "1 deg/h: the usual turn-on repeatability of a tactical-grade unit"),
+}
+
+#: Noise where a record states none, of the same grade.
+DEFAULT_NOISE = {
+    "angle_random_walk_deg_sqrt_h": Default(
+        0.05, "0.05 deg/sqrt(h): the middle of tactical-grade data sheets"
+    ),
+    "bias_instability_deg_h": Default(0.1, "0.1 deg/h: a tenth of the turn-on bias"),
+    "rate_random_walk_deg_h_sqrt_h": Default(0.0, "none: data sheets rarely state one"),
+}
+
+
+class Uncertainty(Model):
+    """Standard deviations, one a gyro."""
+
+    scale_factor_rel: NotNegatives | None = Field(
+        default=None, description="of the scale factors, relative (1 = 100 %)"
+    )
+    bias_V: NotNegatives | None = Field(default=None, description="of the biases [V]")
+    axis_rad: NotNegatives | None = Field(
+        default=None,
+        description="of each gyro axis' pointing, in each of two directions at right angles to it [rad]",
+    )
+    turn_on_bias_deg_h: NotNegatives | None = Field(
+        default=None,
+        description="how far a gyro's bias moves from one power-on, so one run, to the next [deg/h]",
+    )
+
+
+class Noise(Model):
+    """What the unit is known to do when nothing is wrong (IEEE 952 terms), one value a gyro."""
+
+    angle_random_walk_deg_sqrt_h: NotNegatives | None = Field(
+        default=None, description="white noise [deg/sqrt(h)]"
+    )
+    bias_instability_deg_h: NotNegatives | None = Field(
+        default=None,
+        description="flicker: the flat of the Allan deviation divided by sqrt(2 ln 2 / pi) [deg/h]",
+    )
+    rate_random_walk_deg_h_sqrt_h: NotNegatives | None = Field(
+        default=None, description="random walk of the rate [deg/h/sqrt(h)]"
+    )
+
+
+class StatedUncertainty(Model):
+    """`Uncertainty` with the project's defaults where the record is silent."""
+
+    scale_factor_rel: NotNegatives
+    bias_V: NotNegatives
+    axis_rad: NotNegatives
+    turn_on_bias_deg_h: NotNegatives
+
+
+class StatedNoise(Model):
+    """`Noise` with the project's defaults where the record is silent."""
+
+    angle_random_walk_deg_sqrt_h: NotNegatives
+    bias_instability_deg_h: NotNegatives
+    rate_random_walk_deg_h_sqrt_h: NotNegatives
+
+
+class CalibrationRecord(Model):
+    """One calibration of one unit of n >= 1 gyros."""
+
+    schema_id: Literal["fogreduce/calibration/1"] = Field(alias="schema", description="format of this file")
+    unit: Name = Field(description="the calibrated unit, equal to the folder's name")
+    version: Name = Field(description="the record's version, equal to the file's name")
+    valid_from: Instant = Field(description="from when on the record holds, with zone")
+    valid_until: Instant | None = Field(default=None, description="until when it holds, with zone")
+    procedure: str = Field(description="reference or certificate id")
+    H: Annotated[tuple[Reals, Reals, Reals], Strict(False)] | None = Field(
+        default=None,
+        description="3 x n, gyro rates [deg/s] -> unit-frame rates [deg/s]; for three gyros or more",
+    )
+    axes: Annotated[tuple[Triple, ...], Strict(False)] | None = Field(
+        default=None, description="n x 3 unit vectors in the unit frame, in place of H; for one or two gyros"
+    )
+    scale_factor_V_per_deg_s: Reals = Field(description="C, per gyro [V/(deg/s)], not zero")
+    bias_V: Reals = Field(description="B, per gyro [V]")
+    uncertainty: Uncertainty = Field(default=Uncertainty(), description="standard deviations, per gyro")
+    noise: Noise | None = Field(
+        default=None, description="what the unit is known to do when nothing is wrong, per gyro"
+    )
+
+    @property
+    def n(self) -> int:
+        """Number of gyros."""
+        return len(self.scale_factor_V_per_deg_s)
+
+    @property
+    def record_id(self) -> str:
+        """``<unit>@<version>``."""
+        return f"{self.unit}@{self.version}"
+
+    @property
+    def stated_uncertainty(self) -> StatedUncertainty:
+        """Standard deviations, defaults filled in; bias_V's default is a rate, carried through C."""
+        defaults = {key: (default.value,) * self.n for key, default in DEFAULT_UNCERTAINTY.items()}
+        rates = defaults.pop("bias_deg_h")
+        defaults["bias_V"] = tuple(
+            rate / 3600.0 * abs(scale)
+            for rate, scale in zip(rates, self.scale_factor_V_per_deg_s, strict=True)
+        )
+        return StatedUncertainty(**(defaults | self.uncertainty.model_dump(exclude_none=True)))
+
+    @property
+    def stated_noise(self) -> StatedNoise:
+        """Noise, defaults filled in."""
+        defaults = {key: (default.value,) * self.n for key, default in DEFAULT_NOISE.items()}
+        given = self.noise.model_dump(exclude_none=True) if self.noise else {}
+        return StatedNoise(**(defaults | given))
+
+    def is_valid_at(self, instant: datetime) -> bool:
+        """Whether the record holds at `instant`: from valid_from on, up to valid_until, both included."""
+        return self.valid_from <= instant and (self.valid_until is None or instant <= self.valid_until)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if wrong := self._contradictions():
+            raise contradictions(wrong)
+        return self
+
+    def _contradictions(self) -> list[tuple[str, str, str]]:
+        """What does not fit together: (key, found, expected)."""
+        n, wrong = self.n, []
+        lists = {"bias_V": self.bias_V}
+        for block in ("uncertainty", "noise"):
+            for key, values in (getattr(self, block) or Noise()).model_dump(exclude_none=True).items():
+                lists[f"{block}.{key}"] = values
+        for row, values in enumerate(self.H or ()):
+            lists[f"H[{row}]"] = values
+        for key, values in lists.items():
+            if len(values) != n:
+                wrong.append((key, f"{len(values)} values", f"{n}, as many as scale_factor_V_per_deg_s"))
+        for k, scale in enumerate(self.scale_factor_V_per_deg_s):
+            if scale == 0.0:
+                wrong.append((f"scale_factor_V_per_deg_s[{k}]", "0", "a scale factor other than zero"))
+        if self.valid_until is not None and self.valid_until < self.valid_from:
+            later = f"an instant after valid_from ({instant_text(self.valid_from)})"
+            wrong.append(("valid_until", instant_text(self.valid_until), later))
+        return wrong + (self._wrong_projection() if n >= 3 else self._wrong_axes())
+
+    def _wrong_projection(self) -> list[tuple[str, str, str]]:
+        """Faults of the geometry of three gyros or more."""
+        wrong = []
+        if self.axes is not None:
+            wrong.append(("axes", "axes", f"H in place of axes, for a unit of {self.n} gyros"))
+        if self.H is None:
+            wrong.append(("H", "nothing", f"a matrix of 3 x {self.n}"))
+        elif len({len(row) for row in self.H}) == 1 and not _independent(self.H):
+            wrong.append(("H", "rows that depend on each other", "a matrix of rank 3"))
+        return wrong
+
+    def _wrong_axes(self) -> list[tuple[str, str, str]]:
+        """Faults of the geometry of one or two gyros."""
+        wrong = []
+        if self.H is not None:
+            wrong.append(("H", "H", f"axes in place of H, for a unit of {self.n} gyros (or 3 gyros or more)"))
+        if self.axes is None:
+            wrong.append(("axes", "nothing", f"{self.n} unit vectors"))
+            return wrong
+        if len(self.axes) != self.n:
+            wrong.append(
+                ("axes", f"{len(self.axes)} vectors", f"{self.n}, as many as scale_factor_V_per_deg_s")
+            )
+        for k, axis in enumerate(self.axes):
+            if abs(math.hypot(*axis) - 1.0) > 1e-6:
+                wrong.append((f"axes[{k}]", f"a vector of length {math.hypot(*axis):.7g}", "one of length 1"))
+        return wrong
+
+
+def _independent(rows: Sequence[Sequence[float]]) -> bool:
+    """Whether the rows are linearly independent (Gram-Schmidt; a part in 1e9 counts as none)."""
+    basis: list[list[float]] = []
+    for row in rows:
+        rest = list(row)
+        for unit in basis:
+            along = math.fsum(a * b for a, b in zip(rest, unit, strict=True))
+            rest = [a - along * b for a, b in zip(rest, unit, strict=True)]
+        length = math.hypot(*rest)
+        if not length > 1e-9 * math.hypot(*row):
+            return False
+        basis.append([a / length for a in rest])
+    return True

@@ -1,0 +1,186 @@
+"""Campaign folders and calibration folders on disk: from names to validated metadata.
+
+Whatever is wrong with an input is collected, and raised as one BadInput.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from fogreduce.errors import BadInput, Fault
+from fogreduce.metadata.base import NAME_PATTERN
+from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.metadata.campaign import Campaign
+from fogreduce.metadata.instant import instant_text
+from fogreduce.metadata.run import CALIBRATION_PATTERN, Run
+from fogreduce.metadata.yaml12 import kind_of, load_yaml
+
+_EXPECTED_NAME = "a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a letter or digit"
+
+
+def is_name(text: str) -> bool:
+    """Whether `text` may name a campaign, a run, a unit or a calibration version."""
+    return re.fullmatch(NAME_PATTERN.strip("^$"), text) is not None
+
+
+def load_campaign(campaign_dir: Path | str) -> Campaign:
+    """campaign.yaml of a campaign folder; an empty Campaign where there is none."""
+    path = Path(campaign_dir) / "campaign.yaml"
+    return Campaign.from_yaml(path) if os.path.lexists(path) else Campaign()
+
+
+def list_runs(campaign_dir: Path | str) -> list[Path]:
+    """Run folders of a campaign, in order of their names; hidden entries are passed over."""
+    runs = Path(campaign_dir) / "runs"
+    try:
+        entries = sorted(path for path in runs.iterdir() if not path.name.startswith("."))
+    except OSError:
+        raise BadInput.at(
+            runs, "", found="no such folder", expected="a folder with one folder a run"
+        ) from None
+    folders = [path for path in entries if path.is_dir()]
+    wrong = [
+        Fault(str(path), "", "this folder's name", _EXPECTED_NAME)
+        for path in folders
+        if not is_name(path.name)
+    ]
+    if wrong:
+        raise BadInput(*wrong)
+    if not folders:
+        raise BadInput.at(runs, "", found="no run", expected="one folder a run")
+    return folders
+
+
+def load_run(run_dir: Path | str, *, need_capture: bool = True) -> Run:
+    """run.yaml of a run folder, held against the folder.
+
+    Parameters
+    ----------
+    run_dir : path
+        ``<campaign>/runs/<run_id>``.
+    need_capture : bool
+        False where only the metadata are wanted: the capture may then be absent.
+
+    Raises
+    ------
+    BadInput
+        With every fault of run.yaml, of the names and of the files that it names.
+    """
+    folder = Path(run_dir)
+    path = folder / "run.yaml"
+    if not folder.is_dir():
+        raise BadInput.at(folder, "", found="no such folder", expected="a run's folder with a run.yaml")
+    data = load_yaml(path)
+    faults = _names_against_folder(data, folder, path) + _named_files(data, folder, path, need_capture)
+    if "calibration" not in data:
+        try:
+            if default := load_campaign(folder.absolute().parent.parent).calibration:
+                data["calibration"] = default
+        except BadInput as error:
+            faults += error.faults
+    try:
+        run = Run.from_data(data, path)
+    except BadInput as error:
+        raise BadInput(*error.faults, *faults) from None
+    if faults:
+        raise BadInput(*faults)
+    return run
+
+
+def load_calibration(calibrations_dir: Path | str, record_id: str) -> tuple[CalibrationRecord, Path]:
+    """The record ``<unit>@<version>``, from ``<calibrations_dir>/<unit>/<version>.yaml``, and its path."""
+    if not re.fullmatch(CALIBRATION_PATTERN.strip("^$"), record_id):
+        raise BadInput.at(calibrations_dir, "", found=kind_of(record_id), expected="<unit>@<version>")
+    unit, version = record_id.split("@")
+    path = Path(calibrations_dir) / unit / f"{version}.yaml"
+    if not os.path.lexists(path):
+        raise BadInput.at(path, "", found="no such file", expected=f"the calibration record {record_id}")
+    return read_calibration(path), path
+
+
+def read_calibration(path: Path | str) -> CalibrationRecord:
+    """A calibration record whose unit and version agree with its path ``.../<unit>/<version>.yaml``."""
+    file = Path(path)
+    data = load_yaml(file)
+    faults = [
+        Fault(str(file), key, kind_of(data[key]), f"{name}, the {of}'s name")
+        for key, name, of in (("unit", file.absolute().parent.name, "folder"), ("version", file.stem, "file"))
+        if isinstance(data.get(key), str) and data[key] != name
+    ]
+    try:
+        record = CalibrationRecord.from_data(data, file)
+    except BadInput as error:
+        raise BadInput(*error.faults, *faults) from None
+    if faults:
+        raise BadInput(*faults)
+    return record
+
+
+def cross_check(run: Run, record: CalibrationRecord, file: Path | str = "run.yaml") -> None:
+    """Hold a run against its calibration record: unit, id, validity at the start, number of gyros.
+
+    Parameters
+    ----------
+    run : Run
+    record : CalibrationRecord
+    file : path
+        The run.yaml to name in a fault.
+    """
+    wrong = []
+    if run.calibration != record.record_id:
+        wrong.append(("calibration", run.calibration, f"{record.record_id}, the record in use"))
+    if run.unit != record.unit:
+        wrong.append(("unit", run.unit, f"{record.unit}, the unit of calibration {record.record_id}"))
+    if not record.is_valid_at(run.started_at):
+        until = f" until {instant_text(record.valid_until)}" if record.valid_until else " on"
+        validity = (
+            f"an instant from {instant_text(record.valid_from)}{until}, when {record.record_id} is valid"
+        )
+        wrong.append(("started_at", instant_text(run.started_at), validity))
+    if (given := len(run.capture.polarity)) != record.n:
+        wrong.append(("capture.polarity", f"{given} signs", f"{record.n}, one a gyro of {record.record_id}"))
+    if wrong:
+        raise BadInput(*(Fault(str(file), *parts) for parts in wrong))
+
+
+def _names_against_folder(data: dict[str, object], folder: Path, path: Path) -> list[Fault]:
+    name = folder.absolute().name if folder.name else folder.resolve().name
+    run_id = data.get("run_id")
+    if isinstance(run_id, str) and run_id != name:
+        return [Fault(str(path), "run_id", kind_of(run_id), f"{name}, the folder's name")]
+    return []
+
+
+def _named_files(data: dict[str, object], folder: Path, path: Path, need_capture: bool) -> list[Fault]:
+    """Faults of the files that run.yaml names; names that are not plain are the model's to refuse."""
+    capture = data.get("capture")
+    named = {
+        "capture.file": capture.get("file") if isinstance(capture, dict) else None,
+        "temperature": data.get("temperature"),
+        "table_log": data.get("table_log"),
+    }
+    faults = []
+    for key, name in named.items():
+        if not isinstance(name, str) or "/" in name or "\0" in name or name in ("", ".", ".."):
+            continue
+        optional = key == "capture.file" and not need_capture
+        if problem := _problem_of_file(folder, name, optional):
+            faults.append(Fault(str(path), key, problem, "a file in the run's own folder"))
+    return faults
+
+
+def _problem_of_file(folder: Path, name: str, optional: bool) -> str:
+    """What is wrong with the file `name` of `folder`, in plain words; empty when nothing is."""
+    file = folder / name
+    try:
+        if not os.path.lexists(file):
+            return "" if optional else f"{name}, which is not there"
+        if not file.resolve().is_relative_to(folder.resolve()):
+            return f"{name}, a link that leaves the folder"
+        if not file.is_file():
+            return f"{name}, which is " + ("a folder" if file.is_dir() else "not a file")
+    except (OSError, RuntimeError) as error:  # RuntimeError: a loop of links
+        return f"{name}, which cannot be read ({error})"
+    return "" if os.access(file, os.R_OK) else f"{name}, which may not be read"

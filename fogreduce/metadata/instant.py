@@ -1,0 +1,53 @@
+"""Instants: an RFC 3339 time with a zone, kept as UTC, exact to the microsecond."""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime, timedelta
+from typing import Annotated
+
+from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
+
+from fogreduce.metadata.base import unexpected
+
+_EXPECTED = "a time with its zone, such as 2014-05-12T13:00:00Z (at most microseconds)"
+_SHAPE = re.compile(r"\d{4}-\d{2}-\d{2}[Tt ]\d{2}:\d{2}:\d{2}(\.\d{1,6})?([Zz]|[+-]\d{2}:\d{2})", re.ASCII)
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+def parse_instant(value: object) -> datetime:
+    """A time with its zone, as UTC."""
+    if isinstance(value, str) and _SHAPE.fullmatch(value):
+        try:
+            value = datetime.fromisoformat(value.upper())
+        except ValueError:
+            raise unexpected(_EXPECTED) from None
+    if not isinstance(value, datetime) or value.tzinfo is None:
+        raise unexpected(_EXPECTED)
+    try:
+        return value.astimezone(UTC)
+    except OverflowError:
+        raise unexpected(_EXPECTED) from None
+
+
+def instant_text(instant: datetime) -> str:
+    """The way we write an instant: ``2014-05-12T13:00:00Z``, with a fraction only where there is one."""
+    return instant.astimezone(UTC).replace(tzinfo=None).isoformat() + "Z"
+
+
+def microseconds_since_1970(instant: datetime) -> int:
+    """Whole microseconds since 1970-01-01T00:00:00Z; exact."""
+    return (instant - _EPOCH) // timedelta(microseconds=1)
+
+
+def instant_from_microseconds(microseconds: int) -> datetime:
+    """The inverse of `microseconds_since_1970`."""
+    return _EPOCH + timedelta(microseconds=microseconds)
+
+
+Instant = Annotated[
+    datetime,
+    BeforeValidator(parse_instant),
+    PlainSerializer(instant_text, when_used="json"),
+    WithJsonSchema({"type": "string", "format": "date-time", "description": _EXPECTED}),
+]
