@@ -16,7 +16,7 @@ from fogreduce.metadata.yaml12 import kind_of, load_yaml
 
 #: Names of campaigns, runs, units and calibration versions.
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
-_NAME_IN_WORDS = "a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a letter or digit"
+NAME_IN_WORDS = "a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a letter or digit"
 
 
 class Model(BaseModel):
@@ -45,8 +45,17 @@ class Model(BaseModel):
 
 
 def unexpected(expected: str, *, found: str = "", key: str = "") -> PydanticCustomError:
-    """What a validator raises: `expected` in plain words; `found` where the value itself does not say it;
-    `key` (below the place of the validator) where a check of several keys blames one of them."""
+    """What a validator raises, in plain words.
+
+    Parameters
+    ----------
+    expected : str
+        What should stand there.
+    found : str
+        What does, where the value itself does not say it.
+    key : str
+        The key to blame, below the place of the validator, where it looks at several.
+    """
     return contradictions([(key, found, expected)])
 
 
@@ -63,6 +72,7 @@ def faults_of(
     Parameters
     ----------
     error : ValidationError
+        What pydantic raised.
     file : path
         The file at fault.
     model : type, optional
@@ -137,7 +147,7 @@ def _found_and_expected(
     if kind == "literal_error":
         return found, str(context["expected"]).replace("'", "")
     if kind == "string_pattern_mismatch":
-        return found, _NAME_IN_WORDS if context[
+        return found, NAME_IN_WORDS if context[
             "pattern"
         ] == NAME_PATTERN else f"text like {context['pattern']}"
     if kind in ("too_short", "too_long"):
@@ -203,7 +213,9 @@ def _sign(value: object) -> int:
 
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
-FileName = Annotated[str, AfterValidator(_plain_file_name)]
+FileName = Annotated[
+    str, AfterValidator(_plain_file_name), Field(json_schema_extra={"pattern": r"^[^/\\\x00-\x1f]+$"})
+]
 Sign = Annotated[int, BeforeValidator(_sign), Field(json_schema_extra={"enum": [1, -1]})]
 NotNegative = Annotated[float, Field(ge=0)]
 

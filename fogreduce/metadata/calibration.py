@@ -22,8 +22,8 @@ class Default:
     reason: str
 
 
-#: Standard deviations where a record states none: those of a tactical-grade fibre-optic gyro (IEEE 952 terms).
-#: A record that states its own always wins.
+#: Standard deviations where a record states none: those of a tactical-grade fibre-optic gyro (IEEE 952
+#: terms). A record that states its own always wins.
 DEFAULT_UNCERTAINTY = {
     "scale_factor_rel": Default(1e-4, "100 ppm: the usual scale-factor accuracy of a tactical-grade unit"),
     "bias_deg_h": Default(1.0, "1 deg/h: one calibration knows a bias no better than it repeats"),
@@ -132,14 +132,13 @@ class CalibrationRecord(Model):
             rate / 3600.0 * abs(scale)
             for rate, scale in zip(rates, self.scale_factor_V_per_deg_s, strict=True)
         )
-        return StatedUncertainty(**(defaults | self.uncertainty.model_dump(exclude_none=True)))
+        return StatedUncertainty(**(defaults | _stated(self.uncertainty)))
 
     @property
     def stated_noise(self) -> StatedNoise:
         """Noise, defaults filled in."""
         defaults = {key: (default.value,) * self.n for key, default in DEFAULT_NOISE.items()}
-        given = self.noise.model_dump(exclude_none=True) if self.noise else {}
-        return StatedNoise(**(defaults | given))
+        return StatedNoise(**(defaults | _stated(self.noise)))
 
     def is_valid_at(self, instant: datetime) -> bool:
         """Whether the record holds at `instant`: from valid_from on, up to valid_until, both included."""
@@ -156,7 +155,7 @@ class CalibrationRecord(Model):
         n, wrong = self.n, []
         lists = {"bias_V": self.bias_V}
         for block in ("uncertainty", "noise"):
-            for key, values in (getattr(self, block) or Noise()).model_dump(exclude_none=True).items():
+            for key, values in _stated(getattr(self, block)).items():
                 lists[f"{block}.{key}"] = values
         for row, values in enumerate(self.H or ()):
             lists[f"H[{row}]"] = values
@@ -198,6 +197,11 @@ class CalibrationRecord(Model):
             if abs(math.hypot(*axis) - 1.0) > 1e-6:
                 wrong.append((f"axes[{k}]", f"a vector of length {math.hypot(*axis):.7g}", "one of length 1"))
         return wrong
+
+
+def _stated(block: Uncertainty | Noise | None) -> dict[str, tuple[float, ...]]:
+    """What a block of the record states, by key."""
+    return block.model_dump(exclude_none=True) if block else {}
 
 
 def _independent(rows: Sequence[Sequence[float]]) -> bool:

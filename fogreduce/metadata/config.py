@@ -6,11 +6,11 @@ unlike those of a laboratory's files, read a number or a truth value from its te
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, model_validator
 
-from fogreduce.metadata.base import Model, Name
+from fogreduce.metadata.base import Model, Name, unexpected
 
 
 class ConfigModel(Model):
@@ -34,6 +34,14 @@ class StorageConfig(ConfigModel):
     chunk_records: int = Field(default=0, ge=0, description="records in a chunk; 0 = contiguous, not chunked")
     compression: Literal["none", "gzip"] = Field(default="none", description="none or gzip (needs chunks)")
     compression_level: int = Field(default=1, ge=0, le=9, description="gzip's level, 0 to 9")
+
+    @model_validator(mode="after")
+    def _chunked_if_compressed(self) -> Self:
+        if self.compression != "none" and self.chunk_records == 0:
+            raise unexpected(
+                "a number of records, since compression needs chunks", key="chunk_records", found="0"
+            )
+        return self
 
 
 class OutliersConfig(ConfigModel):

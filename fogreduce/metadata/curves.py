@@ -35,7 +35,7 @@ class Curves(Model):
     d_rad: Reals = Field(description="phase of the sine [rad]")
     e_V_s: Reals = Field(description="slope [V/s]")
     sigma_V: NotNegatives = Field(
-        description="standard deviation of the noise a sample over the whole record [V], unstable intervals included"
+        description="standard deviation of the noise a sample [V], whole record, unstable intervals included"
     )
     seed: int = Field(default=0, ge=0, description="seed of the noise")
     missing_fraction: float = Field(

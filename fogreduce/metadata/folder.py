@@ -10,14 +10,12 @@ import re
 from pathlib import Path
 
 from fogreduce.errors import BadInput, Fault
-from fogreduce.metadata.base import NAME_PATTERN
+from fogreduce.metadata.base import NAME_IN_WORDS, NAME_PATTERN
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.campaign import Campaign
 from fogreduce.metadata.instant import instant_text
 from fogreduce.metadata.run import CALIBRATION_PATTERN, Run
 from fogreduce.metadata.yaml12 import kind_of, load_yaml
-
-_EXPECTED_NAME = "a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a letter or digit"
 
 
 def is_name(text: str) -> bool:
@@ -31,25 +29,30 @@ def load_campaign(campaign_dir: Path | str) -> Campaign:
     return Campaign.from_yaml(path) if os.path.lexists(path) else Campaign()
 
 
+def list_campaigns(campaigns_dir: Path | str) -> list[Path]:
+    """Campaign folders (those that hold a folder ``runs``), in order of their names."""
+    return [path for path in _folders_in(Path(campaigns_dir), "campaign") if (path / "runs").is_dir()]
+
+
 def list_runs(campaign_dir: Path | str) -> list[Path]:
-    """Run folders of a campaign, in order of their names; hidden entries are passed over."""
+    """Run folders of a campaign, in order of their names; hidden entries and plain files are passed over."""
     runs = Path(campaign_dir) / "runs"
-    try:
-        entries = sorted(path for path in runs.iterdir() if not path.name.startswith("."))
-    except OSError:
-        raise BadInput.at(
-            runs, "", found="no such folder", expected="a folder with one folder a run"
-        ) from None
-    folders = [path for path in entries if path.is_dir()]
-    wrong = [
-        Fault(str(path), "", "this folder's name", _EXPECTED_NAME)
-        for path in folders
-        if not is_name(path.name)
-    ]
-    if wrong:
-        raise BadInput(*wrong)
+    folders = _folders_in(runs, "run")
     if not folders:
         raise BadInput.at(runs, "", found="no run", expected="one folder a run")
+    return folders
+
+
+def _folders_in(parent: Path, what: str) -> list[Path]:
+    try:
+        entries = sorted(path for path in parent.iterdir() if not path.name.startswith("."))
+    except OSError as error:
+        found = "no such folder" if not parent.exists() else f"unreadable ({error.strerror})"
+        raise BadInput.at(parent, "", found=found, expected=f"a folder with one folder a {what}") from None
+    folders = [path for path in entries if path.is_dir()]
+    wrong = [path for path in folders if not is_name(path.name)]
+    if wrong:
+        raise BadInput(*(Fault(str(path), "", "this folder's name", NAME_IN_WORDS) for path in wrong))
     return folders
 
 
@@ -69,17 +72,15 @@ def load_run(run_dir: Path | str, *, need_capture: bool = True) -> Run:
         With every fault of run.yaml, of the names and of the files that it names.
     """
     folder = Path(run_dir)
-    path = folder / "run.yaml"
     if not folder.is_dir():
         raise BadInput.at(folder, "", found="no such folder", expected="a run's folder with a run.yaml")
+    path = folder / "run.yaml"
     data = load_yaml(path)
     faults = _names_against_folder(data, folder, path) + _named_files(data, folder, path, need_capture)
-    if "calibration" not in data:
-        try:
-            if default := load_campaign(folder.absolute().parent.parent).calibration:
-                data["calibration"] = default
-        except BadInput as error:
-            faults += error.faults
+    try:
+        data = _with_default_calibration(data, folder)
+    except BadInput as error:
+        faults += error.faults
     try:
         run = Run.from_data(data, path)
     except BadInput as error:
@@ -87,6 +88,16 @@ def load_run(run_dir: Path | str, *, need_capture: bool = True) -> Run:
     if faults:
         raise BadInput(*faults)
     return run
+
+
+def named_calibration(run_dir: Path | str) -> str | None:
+    """The record that a run names, though its run.yaml have other faults; None where it cannot be told."""
+    folder = Path(run_dir)
+    try:
+        named = _with_default_calibration(load_yaml(folder / "run.yaml"), folder).get("calibration")
+    except BadInput:
+        return None
+    return named if isinstance(named, str) and re.fullmatch(CALIBRATION_PATTERN.strip("^$"), named) else None
 
 
 def load_calibration(calibrations_dir: Path | str, record_id: str) -> tuple[CalibrationRecord, Path]:
@@ -124,7 +135,9 @@ def cross_check(run: Run, record: CalibrationRecord, file: Path | str = "run.yam
     Parameters
     ----------
     run : Run
+        The run, and
     record : CalibrationRecord
+        the record that it names.
     file : path
         The run.yaml to name in a fault.
     """
@@ -143,6 +156,15 @@ def cross_check(run: Run, record: CalibrationRecord, file: Path | str = "run.yam
         wrong.append(("capture.polarity", f"{given} signs", f"{record.n}, one a gyro of {record.record_id}"))
     if wrong:
         raise BadInput(*(Fault(str(file), *parts) for parts in wrong))
+
+
+def _with_default_calibration(data: dict[str, object], run_dir: Path) -> dict[str, object]:
+    """run.yaml's data, with campaign.yaml's calibration where it names none."""
+    if "calibration" in data:
+        return data
+    inside = run_dir if run_dir.parent.name else run_dir.absolute()
+    default = load_campaign(inside.parent.parent).calibration
+    return {**data, "calibration": default} if default else data
 
 
 def _names_against_folder(data: dict[str, object], folder: Path, path: Path) -> list[Fault]:

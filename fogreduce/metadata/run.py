@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, Strict, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
 
 from fogreduce.metadata.base import FileName, Model, Name, NotNegative, Sign, Triple, unexpected
 from fogreduce.metadata.instant import Instant, microseconds_since_1970
@@ -128,7 +128,7 @@ def _calibration_may_come_from_campaign(schema: dict[str, Any]) -> None:
 class Run(Model):
     """One run of a campaign (run.yaml)."""
 
-    model_config = {"json_schema_extra": _calibration_may_come_from_campaign}
+    model_config = ConfigDict(json_schema_extra=_calibration_may_come_from_campaign)
 
     schema_id: Literal["fogreduce/run/1"] = Field(alias="schema", description="format of this file")
     run_id: Name = Field(description="the run's name, equal to its folder's")

@@ -12,6 +12,7 @@ import re
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -75,7 +76,7 @@ def dump_yaml(data: Mapping[str, object]) -> str:
     Innermost lists and mappings stand on one line; floats carry a point and a signed exponent (``1.0e-07``);
     text that either version would take for something else is quoted.
     """
-    return yaml.dump(
+    text: str = yaml.dump(
         _plain(data),
         Dumper=_Dumper,
         sort_keys=False,
@@ -83,12 +84,13 @@ def dump_yaml(data: Mapping[str, object]) -> str:
         width=10_000,
         default_flow_style=None,
     )
+    return text
 
 
 def _text_of(file: str) -> str:
     """The file's text, or BadInput."""
     try:
-        status = os.stat(file)
+        status = Path(file).stat()
         if not stat.S_ISREG(status.st_mode):
             found = "a folder" if stat.S_ISDIR(status.st_mode) else "something that is not a plain file"
             raise BadInput.at(file, "", found=found, expected="a YAML file")
@@ -119,21 +121,21 @@ class _Reader:
 
     def __init__(self, file: str, text: str) -> None:
         self.file = file
-        self.events: Iterator[yaml.Event] = yaml.parse(text, Loader=_Parser)
+        self.events: Iterator[Any] = yaml.parse(text, Loader=_Parser)
 
     def mapping(self) -> dict[str, object]:
         """The document's top level."""
         try:
-            event = self._next(yaml.StreamStartEvent)
-            event = self._next()
+            next(self.events)  # the stream's start
+            event = next(self.events)
             if isinstance(event, yaml.StreamEndEvent):
                 raise BadInput.at(
                     self.file, "", found="an empty file", expected="a mapping of keys to values"
                 )
-            first = self._next()
+            first = next(self.events)
             value = self._value(first, depth=0)
-            self._next(yaml.DocumentEndEvent)
-            event = self._next()
+            next(self.events)  # the document's end
+            event = next(self.events)
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             raise self._fault(mark, error.problem or error.context or "broken syntax", "YAML 1.2") from None
@@ -147,16 +149,11 @@ class _Reader:
             raise self._fault(first.start_mark, found, "a mapping of keys to values")
         return value
 
-    def _next(self, _kind: type = object) -> yaml.Event:
-        event = next(self.events)
-        assert isinstance(event, _kind)
-        return event
-
-    def _fault(self, mark: yaml.error.Mark | None, found: str, expected: str) -> BadInput:
+    def _fault(self, mark: Any, found: str, expected: str) -> BadInput:
         where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         return BadInput.at(self.file, where, found=found, expected=expected)
 
-    def _value(self, event: yaml.Event, depth: int) -> object:
+    def _value(self, event: Any, depth: int) -> object:
         if isinstance(event, yaml.AliasEvent):
             raise self._fault(event.start_mark, f"the alias *{event.anchor}", "the value itself, written out")
         if event.anchor is not None:
@@ -169,20 +166,20 @@ class _Reader:
             return self._scalar(event)
         if isinstance(event, yaml.SequenceStartEvent):
             items: list[object] = []
-            while not isinstance(item := self._next(), yaml.SequenceEndEvent):
+            while not isinstance(item := next(self.events), yaml.SequenceEndEvent):
                 items.append(self._value(item, depth + 1))
             return items
         pairs: dict[str, object] = {}
-        while not isinstance(start := self._next(), yaml.MappingEndEvent):
+        while not isinstance(start := next(self.events), yaml.MappingEndEvent):
             key = self._value(start, depth + 1)
             if not isinstance(key, str):
                 raise self._fault(start.start_mark, f"{kind_of(key)} as a key", "text as a key")
             if key in pairs:
                 raise self._fault(start.start_mark, f"the key {key} a second time", "each key once")
-            pairs[key] = self._value(self._next(), depth + 1)
+            pairs[key] = self._value(next(self.events), depth + 1)
         return pairs
 
-    def _scalar(self, event: yaml.ScalarEvent) -> object:
+    def _scalar(self, event: Any) -> object:
         text: str = event.value
         if not event.implicit[0]:  # quoted, or a block of text
             return text
@@ -228,6 +225,10 @@ class _Dumper(yaml.SafeDumper):
 
     def ignore_aliases(self, data: object) -> bool:
         return True
+
+    def serialize(self, node: Any) -> None:
+        node.flow_style = False  # the top level always has a line a key
+        super().serialize(node)
 
 
 def _represent_text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:

@@ -1,0 +1,127 @@
+"""``fogreduce check``: every fault of a run, a campaign or a metadata file, at once."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+from fogreduce.errors import BadInput, Fault
+
+if TYPE_CHECKING:
+    from fogreduce.metadata.calibration import CalibrationRecord
+    from fogreduce.metadata.run import Run
+
+HELP = "validate a run, a campaign or a calibration record: every fault, with file, key and reason"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument(
+        "path", metavar="PATH", type=Path, help="run folder, campaign folder or metadata file (.yaml)"
+    )
+    parser.add_argument(
+        "--calibrations",
+        metavar="DIR",
+        type=Path,
+        default=Path("calibrations"),
+        help="folder of the calibration records (default: %(default)s)",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Check what `args.path` is; a summary on standard output, or BadInput with every fault."""
+    faults: list[Fault] = []
+    summary = _checker_of(args.path)(args.path, args.calibrations, faults)
+    if faults:
+        raise BadInput(*dict.fromkeys(faults))  # a record's faults come up once for every run that names it
+    print(f"{args.path}: no faults; {summary}")
+    return 0
+
+
+Checker = Callable[[Path, Path, list[Fault]], str]
+
+
+def _checker_of(path: Path) -> Checker:
+    """The check for what lies at `path`: appends faults, returns a summary."""
+    try:
+        if (path / "run.yaml").exists():
+            return _check_run
+        if (path / "runs").exists() or (path / "campaign.yaml").exists():
+            return _check_campaign
+    except PermissionError:
+        raise BadInput.at(
+            path, "", found="no permission to look into it", expected="a readable folder"
+        ) from None
+    if path.is_dir():
+        raise BadInput.at(path, "", found="a folder without run.yaml or runs", expected="a run or a campaign")
+    return _check_run if path.name == "run.yaml" else _check_file
+
+
+def _check_file(path: Path, calibrations: Path, faults: list[Fault]) -> str:
+    """One metadata file, by its schema; a calibration record unless it says otherwise."""
+    from fogreduce.metadata.campaign import Campaign
+    from fogreduce.metadata.curves import Curves
+    from fogreduce.metadata.effects_file import EffectsFile
+    from fogreduce.metadata.folder import read_calibration
+    from fogreduce.metadata.yaml12 import load_yaml
+
+    schema = "fogreduce/campaign/1" if path.name == "campaign.yaml" else load_yaml(path).get("schema")
+    for model in (Campaign, Curves, EffectsFile):
+        if schema in get_args(model.model_fields["schema_id"].annotation):
+            _collect(faults, model.from_yaml, path)
+            return str(schema)
+    record = _collect(faults, read_calibration, path)
+    return f"calibration record of {record.n} gyros" if record else ""
+
+
+def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
+    """campaign.yaml, what it names, and all runs."""
+    from fogreduce.metadata.base import NAME_IN_WORDS
+    from fogreduce.metadata.curves import Curves
+    from fogreduce.metadata.folder import is_name, list_runs, load_campaign
+
+    if not is_name(name := path.absolute().name or path.resolve().name):
+        faults.append(Fault(str(path), "", f"a campaign called {name}", NAME_IN_WORDS))
+    campaign = _collect(faults, load_campaign, path)
+    made = campaign.captures_from if campaign else None
+    if made and made.curves:
+        _collect(faults, Curves.from_yaml, path / made.curves)
+    runs: list[Path] = _collect(faults, list_runs, path) or []
+    for folder in runs:
+        _check_run(folder, calibrations, faults, need_capture=made is None)
+    return f"{len(runs)} runs"
+
+
+def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capture: bool = True) -> str:
+    """run.yaml, the files it names, its calibration record and its capture's header."""
+    path = path.parent if path.name == "run.yaml" else path
+    from fogreduce.metadata.folder import cross_check, load_calibration, load_run, named_calibration
+
+    run = _collect(faults, load_run, path, need_capture=need_capture)
+    record_id = run.calibration if run else named_calibration(path)
+    loaded = _collect(faults, load_calibration, calibrations, record_id) if record_id else None
+    if run is None or loaded is None:
+        return ""
+    record = loaded[0]
+    _collect(faults, cross_check, run, record, path / "run.yaml")
+    if (path / run.capture.file).exists():
+        _collect(faults, _check_capture, path, run, record)
+    return f"{record.n} gyros, {run.n_expected} records expected, calibration {run.calibration}"
+
+
+def _check_capture(path: Path, run: Run, record: CalibrationRecord) -> None:
+    """The capture's header against run.yaml and the record."""
+    from fogreduce.datasets.readers import open_capture
+
+    open_capture(path / run.capture.file, run, record.n)
+
+
+def _collect(faults: list[Fault], function: Callable[..., Any], *args: object, **options: object) -> Any:
+    """Call `function`; where its input is bad, keep the faults and return None."""
+    try:
+        return function(*args, **options)
+    except BadInput as error:
+        faults.extend(error.faults)
+        return None

@@ -1,0 +1,166 @@
+"""``fogreduce init``: start a run.yaml from what a capture says of itself; the rest is marked TODO."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from fogreduce.errors import BadInput
+
+HELP = "start a commented run.yaml from a capture's header or a CSV's columns"
+
+TODO = "TODO"
+_MAGIC = b"FOGCAP1\n"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="capture file (fogcap-1 or csv-1)")
+    parser.add_argument(
+        "--out", metavar="FILE", type=Path, help="file to write (default: run.yaml beside the capture)"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the file; an existing one is never touched."""
+    out = args.out or args.capture.parent / "run.yaml"
+    text = run_yaml_text(args.capture.name, facts_of(args.capture), out.absolute().parent)
+    _write_new(out, text)
+    todo = sum(TODO in line.split("#")[0] for line in text.splitlines())
+    print(f"{out}: {todo} lines marked {TODO}; fill them in, then run: fogreduce check {out.parent}")
+    return 0
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a capture says of itself; None where it is silent."""
+
+    format: str
+    n: int
+    unit: str | None = None
+    start: str | None = None
+    sample_rate_hz: float | None = None
+    volts_per_count: float | None = None
+    duration_s: float | None = None
+
+
+def facts_of(capture: Path) -> Facts:
+    """Read a capture's header, or a CSV's columns.
+
+    Raises
+    ------
+    BadInput
+        The file cannot be read, or is neither.
+    """
+    try:
+        with capture.open("rb") as stream:
+            is_fogcap = stream.read(len(_MAGIC)) == _MAGIC
+    except OSError as error:
+        raise BadInput.at(capture, "", found=error.strerror, expected="a capture file") from None
+    if not is_fogcap:
+        from fogreduce.datasets.readers.csv1 import read_columns
+
+        return Facts("csv-1", read_columns(capture))
+
+    from fogreduce.datasets.readers.fogcap import read_header
+    from fogreduce.metadata.instant import instant_from_microseconds, instant_text
+
+    header = read_header(capture)
+    start = None
+    with contextlib.suppress(OverflowError):  # a start beyond the calendar is as good as none
+        start = instant_text(instant_from_microseconds(header.start_us))
+    return Facts(
+        "fogcap-1",
+        header.n,
+        header.unit or None,
+        start,
+        header.sample_rate_hz,
+        header.volts_per_count,
+        header.n_records / header.sample_rate_hz,
+    )
+
+
+def run_yaml_text(capture: str, facts: Facts, folder: Path) -> str:
+    """The run.yaml of a capture, with TODO where the capture does not say.
+
+    Parameters
+    ----------
+    capture : str
+        The capture's file name.
+    facts : Facts
+        What it says of itself.
+    folder : Path
+        The run's folder: gives the run's name, and the logs that lie there.
+    """
+    source = "columns" if facts.format == "csv-1" else "header"
+    log = {key: "" if (folder / name).is_file() else "# " for key, name in _LOGS.items()}
+    return f"""\
+# Begun by `fogreduce init` from the {source} of {capture!r}.
+# Replace each {TODO}, then run `fogreduce check`.
+schema: fogreduce/run/1
+run_id: {_scalar(folder.name)}  # equals the folder's name
+unit: {_scalar(facts.unit)}  # the unit under test
+started_at: {facts.start or TODO}  # start of record and profile, with zone: 2014-05-12T13:00:00Z
+site:
+  latitude_deg: {TODO}  # signed, north positive
+  # latitude_uncertainty_deg: 0.001  # 1 sigma
+table:
+  axis: {TODO}  # x, y, z of the unit frame, or [ux, uy, uz]
+  profile:  # commanded rate about that axis, piecewise constant, in order
+    - {{rate_deg_s: {TODO}, duration_s: {_scalar(facts.duration_s)}}}
+  # rate_uncertainty_ppm: 5  # 1 sigma
+orientation:  # two unit axes at t = 0, each one of up, down, north, south, east, west
+  x: {TODO}
+  z: {TODO}
+# azimuth_deg: 0.0  # then turned about local up by this much, clockwise seen from above
+# azimuth_uncertainty_deg: 0.05  # 1 sigma
+# frame_signs: [1, 1, 1]  # the sign with which each projected axis reads a positive rotation
+capture:
+  file: {_scalar(capture)}
+  format: {facts.format}
+  sample_rate_hz: {_scalar(facts.sample_rate_hz)}
+  volts_per_count: {_scalar(facts.volts_per_count)}
+  polarity: [{", ".join([TODO] * facts.n)}]  # 1 or -1 a gyro: turns raw volts into calibrated volts
+calibration: {_scalar(f"{facts.unit or TODO}@{TODO}")}  # <unit>@<version>
+{log["temperature"]}temperature: {_LOGS["temperature"]}
+{log["table_log"]}table_log: {_LOGS["table_log"]}
+# notes: free text
+"""
+
+
+_LOGS = {"temperature": "temperature.csv", "table_log": "table.csv"}
+
+
+def _scalar(value: object) -> str:
+    """A value as it stands in YAML; TODO for None."""
+    from fogreduce.metadata.yaml12 import dump_yaml
+
+    return TODO if value is None else dump_yaml({"v": value}).removeprefix("v: ").rstrip("\n")
+
+
+def _write_new(path: Path, text: str) -> None:
+    """Write `text` to a file that must not be there yet: whole, or not at all."""
+    if path.exists() or path.is_symlink():
+        raise BadInput.at(
+            path, "", found="a file already there", expected="a new file (it is not overwritten)"
+        )
+    try:
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    except OSError as error:
+        raise BadInput.at(
+            path, "", found=error.strerror, expected="a folder that can be written to"
+        ) from None
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        Path(temporary).chmod(0o644)
+        os.link(temporary, path)  # unlike a rename, fails where the name has been taken meanwhile
+    except OSError as error:
+        raise BadInput.at(path, "", found=error.strerror, expected="a new file that can be written") from None
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            Path(temporary).unlink()
