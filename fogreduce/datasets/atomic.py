@@ -1,0 +1,42 @@
+"""Outputs that appear whole under their name or not at all: write beside, then rename."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+class TemporaryFile:
+    """A temporary name in the folder of `target`; `finish` renames it onto the target or removes it."""
+
+    def __init__(self, target: Path) -> None:
+        self.target = target
+        target.parent.mkdir(parents=True, exist_ok=True)
+        self.path = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+
+    def finish(self, *, keep: bool) -> None:
+        """Rename onto the target, or remove."""
+        if keep:
+            self.path.replace(self.target)
+        else:
+            self.path.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_file(target: Path) -> Iterator[Path]:
+    """A temporary path to write to; it becomes `target` when the block ends without an error."""
+    temporary = TemporaryFile(target)
+    try:
+        yield temporary.path
+    except BaseException:
+        temporary.finish(keep=False)
+        raise
+    temporary.finish(keep=True)
+
+
+def write_text(target: Path, text: str) -> None:
+    """Write a whole text file (UTF-8)."""
+    with whole_file(target) as path:
+        path.write_text(text, encoding="utf-8", newline="\n")

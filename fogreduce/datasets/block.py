@@ -1,0 +1,35 @@
+"""Blocks of records: what a reader yields and what the stages hand on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RawBlock:
+    """Consecutive records of a capture, in file order, as they stand there.
+
+    Attributes
+    ----------
+    start : int
+        Index in the file of the first record.
+    time_us : (N,) int64
+        Time stamps [us] since the run's start.
+    pulse : (N,) int64
+        Number of the stimulus pulse.
+    counts : (n, N) int32 or None
+        ADC counts; -2147483648 = no answer. None for a format that holds volts.
+    volts : (n, N) float64 or None
+        Raw volts [V], NaN = no answer. None for a format that holds counts.
+    """
+
+    start: int
+    time_us: NDArray[np.int64]
+    pulse: NDArray[np.int64]
+    counts: NDArray[np.int32] | None
+    volts: Floats | None

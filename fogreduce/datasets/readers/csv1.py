@@ -1,0 +1,134 @@
+"""Captures of format `csv-1`: a header line ``time_s,gyro1_V,...,gyroN_V``, then a record a line.
+
+An empty field is "no answer". Records are not numbered: a record's pulse number is its time times the
+sample rate, rounded, so that a lost line leaves a hole as a lost record does.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from fogreduce.constants import MICROSECONDS_PER_SECOND
+from fogreduce.datasets.block import RawBlock
+from fogreduce.datasets.readers.facts import CaptureFacts
+from fogreduce.errors import BadInput
+
+FORMAT = "csv-1"
+_COUNT_BYTES = 1 << 20
+_LATEST_S = 1e9  # thirty years; beyond it a time stamp is surely not seconds since the start
+
+
+def read_columns(path: Path) -> int:
+    """Number of gyros from the header line; BadInput where it is not one of `csv-1`."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            line = file.readline(1 << 16)
+    except OSError as error:
+        raise BadInput.at(path, "", found=error.strerror, expected="a readable CSV file") from None
+    except UnicodeDecodeError:
+        raise BadInput.at(path, "line 1", found="bytes that are not UTF-8", expected="text") from None
+    if not line:
+        raise BadInput.at(path, "", found="an empty file", expected=f"a {FORMAT} capture")
+    names = line.rstrip("\r\n").split(",")
+    expected = ["time_s", *(f"gyro{i}_V" for i in range(1, len(names)))]
+    if len(names) < 2 or names != expected:
+        raise BadInput.at(path, "line 1", found=line.strip()[:80], expected="time_s,gyro1_V,...,gyroN_V")
+    return len(names) - 1
+
+
+class CsvReader:
+    """A CSV capture, read in blocks; attributes as those of `FogcapReader`."""
+
+    def __init__(self, path: Path, sample_rate_hz: float) -> None:
+        self.path = path
+        self.facts = CaptureFacts(read_columns(path))
+        self.n_records, self.torn_bytes = self._count_lines()
+        self._rate = sample_rate_hz
+        if self.n_records == 0:
+            raise BadInput.at(path, "line 2", found="no record", expected="at least one record")
+
+    def _count_lines(self) -> tuple[int, int]:
+        """Records, and bytes of a last line that has too few fields and no line end (torn)."""
+        lines, last = 0, b""
+        with self.path.open("rb") as file:
+            while chunk := file.read(_COUNT_BYTES):
+                lines += chunk.count(b"\n")
+                last = (last + chunk).rsplit(b"\n", 1)[-1][-4096:]
+        if not last:
+            return lines - 1, 0
+        if last.count(b",") < self.facts.n_gyros:
+            return lines - 1, len(last)
+        return lines, 0
+
+    def place(self, record: int) -> str:
+        """The record's line in the file."""
+        return f"line {record + 2}"
+
+    def blocks(self, size: int) -> Iterator[RawBlock]:
+        """The records in file order, `size` at a time."""
+        from pandas import read_csv  # costs a third of a second: only who reads CSV pays
+        from pandas.errors import ParserError
+
+        start = 0
+        try:
+            frames = read_csv(
+                self.path,
+                dtype=np.float64,
+                chunksize=size,
+                nrows=self.n_records,
+                float_precision="round_trip",
+                keep_default_na=False,
+                na_values=[""],
+                skip_blank_lines=False,
+                encoding="utf-8",
+                index_col=False,
+            )
+            for frame in frames:
+                values = frame.to_numpy().T
+                time_s = values[0]
+                bad = ~(np.abs(time_s) <= _LATEST_S) | np.isinf(values).any(axis=0)
+                if bad.any():
+                    self._blame(start + int(np.argmax(bad)))
+                time_us = np.rint(time_s * MICROSECONDS_PER_SECOND).astype(np.int64)
+                yield RawBlock(
+                    start=start,
+                    time_us=time_us,
+                    pulse=np.rint(time_s * self._rate).astype(np.int64),
+                    counts=None,
+                    volts=np.ascontiguousarray(values[1:]),
+                )
+                start += time_us.size
+        except (ValueError, ParserError):
+            self._blame(start)
+            raise
+
+    def _blame(self, start: int) -> None:
+        """Name the first line from record `start` on that is not a record."""
+        n = self.facts.n_gyros
+        with self.path.open(encoding="utf-8", errors="replace", newline="") as file:
+            for number, fields in enumerate(csv.reader(file), start=1):
+                if number < start + 2 or number > self.n_records + 1:
+                    continue
+                if len(fields) != n + 1 or not _is_time(fields[0]) or not all(map(_is_field, fields[1:])):
+                    raise BadInput.at(
+                        self.path,
+                        f"line {number}",
+                        found=",".join(fields)[:80] or "an empty line",
+                        expected=f"a time and {n} voltages (finite numbers, or empty for no answer)",
+                    )
+
+
+def _is_time(text: str) -> bool:
+    return bool(text) and _is_field(text) and abs(float(text)) <= _LATEST_S
+
+
+def _is_field(text: str) -> bool:
+    try:
+        return text == "" or math.isfinite(float(text))
+    except ValueError:
+        return False

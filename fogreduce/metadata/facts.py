@@ -1,0 +1,123 @@
+"""What the physics needs to know of a run, as arrays: built from validated metadata, without pydantic.
+
+A stage starts from the JSON that the manifest carries (already validated), so that it need not pay
+for validation again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.physics.alignment import gyro_axes
+from fogreduce.physics.earth_rate import EarthPart
+from fogreduce.physics.frames import AXES, unit_from_enu
+from fogreduce.physics.table_motion import Profile
+from fogreduce.units import microseconds_since_1970
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RunFacts:
+    """A run and its calibration as numbers.
+
+    Attributes
+    ----------
+    scale_factor, bias, polarity : (n,) arrays
+        C [V/(deg/s)], B [V], +1 or -1.
+    projection : (3, n) array or None
+        H; None for a unit of one or two gyros, which gives no x, y, z.
+    axes : (n, 3) array
+        G, directions of the input axes in the unit frame.
+    profile : Profile
+        The commanded rates.
+    table_axis : (3,) array
+        Unit vector of the table's axis, unit frame.
+    unit_from_enu : (3, 3) array
+        u0.
+    frame_signs : (3,) array
+        The sign with which each projected axis reads a positive rotation.
+    white_noise : (n,) array or None
+        Stated angle random walk N [deg/sqrt(h)].
+    """
+
+    run_id: str
+    unit: str
+    start_us: int
+    sample_rate_hz: float
+    volts_per_count: float
+    latitude_deg: float
+    scale_factor: Array
+    bias: Array
+    polarity: Array
+    projection: Array | None
+    axes: Array
+    profile: Profile
+    table_axis: Array
+    unit_from_enu: Array
+    frame_signs: Array
+    white_noise: Array | None
+
+    @classmethod
+    def of(cls, run: Mapping[str, Any], calibration: Mapping[str, Any]) -> RunFacts:
+        """From run.yaml and calibration record as plain, validated data (``model_dump(mode="json")``)."""
+        capture, table = run["capture"], run["table"]
+        projection = np.array(calibration["H"], float) if calibration.get("H") is not None else None
+        axes = gyro_axes(projection) if projection is not None else np.array(calibration["axes"], float)
+        steps = table["profile"]
+        noise = calibration.get("noise") or {}
+        white = noise.get("angle_random_walk_deg_sqrt_h")
+        return cls(
+            run_id=run["run_id"],
+            unit=run["unit"],
+            start_us=microseconds_since_1970(datetime.fromisoformat(run["started_at"])),
+            sample_rate_hz=float(capture["sample_rate_hz"]),
+            volts_per_count=float(capture["volts_per_count"]),
+            latitude_deg=float(run["site"]["latitude_deg"]),
+            scale_factor=np.array(calibration["scale_factor_V_per_deg_s"], float),
+            bias=np.array(calibration["bias_V"], float),
+            polarity=np.array(capture["polarity"], float),
+            projection=projection,
+            axes=axes,
+            profile=Profile(
+                np.array([float(step["rate_deg_s"]) for step in steps]),
+                np.array([float(step["duration_s"]) for step in steps]),
+            ),
+            table_axis=_unit_vector(table["axis"]),
+            unit_from_enu=unit_from_enu(run["orientation"], float(run.get("azimuth_deg") or 0.0)),
+            frame_signs=np.array(run.get("frame_signs") or [1, 1, 1], float),
+            white_noise=np.array(white, float) if white is not None else None,
+        )
+
+    @property
+    def n_gyros(self) -> int:
+        """Number of gyros, n."""
+        return len(self.scale_factor)
+
+    @property
+    def n_expected(self) -> int:
+        """Records that a whole capture holds: ``round(duration x rate)``."""
+        return round(self.profile.end_s * self.sample_rate_hz)
+
+    @cached_property
+    def earth(self) -> EarthPart:
+        """What the projected axes read of Earth's rate."""
+        return EarthPart.of(self.table_axis, self.unit_from_enu, self.latitude_deg, self.frame_signs)
+
+    @property
+    def commanded_signs(self) -> Array:
+        """(3,): what each projected axis reads of one deg/s of commanded rate."""
+        return self.frame_signs * self.table_axis
+
+
+def _unit_vector(axis: str | list[float]) -> Array:
+    """A table axis, by name or as a vector, as a unit vector."""
+    vector = np.eye(3)[AXES.index(axis)] if isinstance(axis, str) else np.array(axis, float)
+    return vector / np.linalg.norm(vector)
