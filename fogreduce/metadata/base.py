@@ -6,6 +6,7 @@ import difflib
 import os
 import re
 import typing
+from collections.abc import Sized
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
@@ -86,6 +87,8 @@ def faults_of(
                 where = dotted((*location, key) if key else location)
                 faults.append(Fault(os.fspath(file), where, found or kind_of(item["input"]), expected))
             continue
+        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
+            continue  # pydantic counts only the entries without a fault of their own
         found, expected = _found_and_expected(
             item["type"], item["input"], item.get("ctx", {}), location, model
         )
@@ -136,7 +139,8 @@ def _found_and_expected(
     """A pydantic error in plain words."""
     found = kind_of(value)
     if kind == "missing":
-        return "nothing", _described(model, location) or "this key (it is required)"
+        what = "one entry more" if isinstance(location[-1], int) else "this key (it is required)"
+        return "nothing", _described(model, location) or what
     if kind == "extra_forbidden":
         return _unknown_key(model, location)
     if kind in _TYPES:
@@ -152,10 +156,8 @@ def _found_and_expected(
         ] == NAME_PATTERN else f"text like {context['pattern']}"
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
-        return (
-            f"{context['actual_length']} entries",
-            f"{bound} {context.get('min_length', context.get('max_length'))}",
-        )
+        length = len(value) if isinstance(value, Sized) else context["actual_length"]
+        return f"{length} entries", f"{bound} {context.get('min_length', context.get('max_length'))}"
     if kind == "string_too_long":
         return found, f"text of at most {context['max_length']} characters"
     return found, kind.replace("_", " ")
@@ -186,7 +188,7 @@ def _unknown_key(model: type[BaseModel] | None, location: tuple[int | str, ...])
     if parent is None:
         return "an unknown key", "no such key"
     known = [info.alias or name for name, info in parent.model_fields.items()]
-    close = difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.6)
+    close = difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
     return f"an unknown key (did you mean {close[0]}?)" if close else "an unknown key", "one of " + ", ".join(
         known
     )
