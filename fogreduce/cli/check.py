@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -89,9 +90,9 @@ def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
     if made and made.curves:
         _collect(faults, Curves.from_yaml, path / made.curves)
     runs: list[Path] = _collect(faults, list_runs, path) or []
-    for folder in runs:
+    for folder in _with_progress(runs):
         _check_run(folder, calibrations, faults, need_capture=made is None)
-    return f"{len(runs)} runs"
+    return f"{len(runs)} run{'s' if len(runs) > 1 else ''}"
 
 
 def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capture: bool = True) -> str:
@@ -107,15 +108,41 @@ def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capt
     record = loaded[0]
     _collect(faults, cross_check, run, record, path / "run.yaml")
     if (path / run.capture.file).exists():
-        _collect(faults, _check_capture, path, run, record)
+        _collect(faults, _check_capture, path / run.capture.file, run, record)
+    _check_logs(path, run, faults)
     return f"{record.n} gyros, {run.n_expected} records expected, calibration {run.calibration}"
 
 
 def _check_capture(path: Path, run: Run, record: CalibrationRecord) -> None:
     """The capture's header against run.yaml and the record."""
     from fogreduce.datasets.readers import open_capture
+    from fogreduce.datasets.readers.contradictions import contradictions
+    from fogreduce.metadata.facts import RunFacts
 
-    open_capture(path / run.capture.file, run, record.n)
+    capture = open_capture(path, run.capture.format, run.capture.sample_rate_hz)
+    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    if wrong := contradictions(capture.facts, facts, path):
+        raise BadInput(*wrong)
+
+
+def _check_logs(path: Path, run: Run, faults: list[Fault]) -> None:
+    """The logs beside the capture, line by line."""
+    from fogreduce.datasets.logs import read_table_log, read_temperature
+
+    if run.temperature:
+        _collect(faults, read_temperature, path / run.temperature)
+    if run.table_log:
+        _collect(faults, read_table_log, path / run.table_log)
+
+
+def _with_progress(runs: list[Path]) -> Iterable[Path]:
+    """The same runs, with a bar on a terminal once two seconds have passed."""
+    if not sys.stderr.isatty():
+        return runs
+    from tqdm import tqdm
+
+    bar: Iterable[Path] = tqdm(runs, desc="check", unit="run", delay=2, leave=False)
+    return bar
 
 
 def _collect(faults: list[Fault], function: Callable[..., Any], *args: object, **options: object) -> Any:

@@ -14,7 +14,6 @@ from fogreduce.errors import BadInput
 HELP = "start a commented run.yaml from a capture's header or a CSV's columns"
 
 TODO = "TODO"
-_MAGIC = b"FOGCAP1\n"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the file; an existing one is never touched."""
     out = args.out or args.capture.parent / "run.yaml"
-    text = run_yaml_text(args.capture.name, facts_of(args.capture), out.absolute().parent)
+    text = run_yaml_text(args.capture.name, known_of(args.capture), out.absolute().parent)
     _write_new(out, text)
     todo = sum(TODO in line.split("#")[0] for line in text.splitlines())
     print(f"{out}: {todo} lines marked {TODO}; fill them in, then run: fogreduce check {out.parent}")
@@ -36,11 +35,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 @dataclass(frozen=True)
-class Facts:
+class Known:
     """What a capture says of itself; None where it is silent."""
 
     format: str
-    n: int
+    n_gyros: int
     unit: str | None = None
     start: str | None = None
     sample_rate_hz: float | None = None
@@ -48,7 +47,7 @@ class Facts:
     duration_s: float | None = None
 
 
-def facts_of(capture: Path) -> Facts:
+def known_of(capture: Path) -> Known:
     """Read a capture's header, or a CSV's columns.
 
     Raises
@@ -56,62 +55,62 @@ def facts_of(capture: Path) -> Facts:
     BadInput
         The file cannot be read, or is neither.
     """
+    from fogreduce.datasets.readers import csv1, fogcap
+    from fogreduce.metadata.instant import instant_text
+    from fogreduce.units import instant_of
+
     try:
         with capture.open("rb") as stream:
-            is_fogcap = stream.read(len(_MAGIC)) == _MAGIC
+            is_fogcap = stream.read(len(fogcap.MAGIC)) == fogcap.MAGIC
     except OSError as error:
         raise BadInput.at(capture, "", found=error.strerror, expected="a capture file") from None
     if not is_fogcap:
-        from fogreduce.datasets.readers.csv1 import read_columns
-
-        return Facts("csv-1", read_columns(capture))
-
-    from fogreduce.datasets.readers.fogcap import read_header
-    from fogreduce.metadata.instant import instant_from_microseconds, instant_text
-
-    header = read_header(capture)
+        return Known(csv1.FORMAT, csv1.read_columns(capture))
+    reader = fogcap.FogcapReader(capture)
+    facts = reader.facts
     start = None
     with contextlib.suppress(OverflowError):  # a start beyond the calendar is as good as none
-        start = instant_text(instant_from_microseconds(header.start_us))
-    return Facts(
-        "fogcap-1",
-        header.n,
-        header.unit or None,
+        start = instant_text(instant_of(facts.start_us or 0))
+    duration_s = reader.n_records / facts.sample_rate_hz if facts.sample_rate_hz else None
+    return Known(
+        fogcap.FORMAT,
+        facts.n_gyros,
+        facts.unit,
         start,
-        header.sample_rate_hz,
-        header.volts_per_count,
-        header.n_records / header.sample_rate_hz,
+        facts.sample_rate_hz,
+        facts.volts_per_count,
+        duration_s,
     )
 
 
-def run_yaml_text(capture: str, facts: Facts, folder: Path) -> str:
+def run_yaml_text(capture: str, known: Known, folder: Path) -> str:
     """The run.yaml of a capture, with TODO where the capture does not say.
 
     Parameters
     ----------
     capture : str
         The capture's file name.
-    facts : Facts
+    known : Known
         What it says of itself.
     folder : Path
         The run's folder: gives the run's name, and the logs that lie there.
     """
-    source = "columns" if facts.format == "csv-1" else "header"
+    source = "columns" if known.format == "csv-1" else "header"
     log = {key: "" if (folder / name).is_file() else "# " for key, name in _LOGS.items()}
     return f"""\
 # Begun by `fogreduce init` from the {source} of {capture!r}.
 # Replace each {TODO}, then run `fogreduce check`.
 schema: fogreduce/run/1
 run_id: {_scalar(folder.name)}  # equals the folder's name
-unit: {_scalar(facts.unit)}  # the unit under test
-started_at: {facts.start or TODO}  # start of record and profile, with zone: 2014-05-12T13:00:00Z
+unit: {_scalar(known.unit)}  # the unit under test
+started_at: {known.start or TODO}  # start of record and profile, with zone: 2014-05-12T13:00:00Z
 site:
   latitude_deg: {TODO}  # signed, north positive
   # latitude_uncertainty_deg: 0.001  # 1 sigma
 table:
   axis: {TODO}  # x, y, z of the unit frame, or [ux, uy, uz]
   profile:  # commanded rate about that axis, piecewise constant, in order
-    - {{rate_deg_s: {TODO}, duration_s: {_scalar(facts.duration_s)}}}
+    - {{rate_deg_s: {TODO}, duration_s: {_scalar(known.duration_s)}}}
   # rate_uncertainty_ppm: 5  # 1 sigma
 orientation:  # two unit axes at t = 0, each one of up, down, north, south, east, west
   x: {TODO}
@@ -121,11 +120,11 @@ orientation:  # two unit axes at t = 0, each one of up, down, north, south, east
 # frame_signs: [1, 1, 1]  # the sign with which each projected axis reads a positive rotation
 capture:
   file: {_scalar(capture)}
-  format: {facts.format}
-  sample_rate_hz: {_scalar(facts.sample_rate_hz)}
-  volts_per_count: {_scalar(facts.volts_per_count)}
-  polarity: [{", ".join([TODO] * facts.n)}]  # 1 or -1 a gyro: turns raw volts into calibrated volts
-calibration: {_scalar(f"{facts.unit or TODO}@{TODO}")}  # <unit>@<version>
+  format: {known.format}
+  sample_rate_hz: {_scalar(known.sample_rate_hz)}
+  volts_per_count: {_scalar(known.volts_per_count)}
+  polarity: [{", ".join([TODO] * known.n_gyros)}]  # 1 or -1 a gyro: turns raw volts into calibrated volts
+calibration: {_scalar(f"{known.unit or TODO}@{TODO}")}  # <unit>@<version>
 {log["temperature"]}temperature: {_LOGS["temperature"]}
 {log["table_log"]}table_log: {_LOGS["table_log"]}
 # notes: free text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from typing import Annotated
 
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
@@ -12,7 +12,6 @@ from fogreduce.metadata.base import unexpected
 
 _EXPECTED = "a time with its zone, such as 2014-05-12T13:00:00Z (at most microseconds)"
 _SHAPE = re.compile(r"\d{4}-\d{2}-\d{2}[Tt ]\d{2}:\d{2}:\d{2}(\.\d{1,6})?([Zz]|[+-]\d{2}:\d{2})", re.ASCII)
-_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 def parse_instant(value: object) -> datetime:
@@ -33,16 +32,6 @@ def parse_instant(value: object) -> datetime:
 def instant_text(instant: datetime) -> str:
     """The way we write an instant: ``2014-05-12T13:00:00Z``, with a fraction only where there is one."""
     return instant.astimezone(UTC).replace(tzinfo=None).isoformat() + "Z"
-
-
-def microseconds_since_1970(instant: datetime) -> int:
-    """Whole microseconds since 1970-01-01T00:00:00Z; exact."""
-    return (instant - _EPOCH) // timedelta(microseconds=1)
-
-
-def instant_from_microseconds(microseconds: int) -> datetime:
-    """The inverse of `microseconds_since_1970`."""
-    return _EPOCH + timedelta(microseconds=microseconds)
 
 
 Instant = Annotated[

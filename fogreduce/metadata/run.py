@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
 
 from fogreduce.metadata.base import FileName, Model, Name, NotNegative, Sign, Triple, unexpected
-from fogreduce.metadata.instant import Instant, microseconds_since_1970
+from fogreduce.metadata.instant import Instant
+from fogreduce.units import microseconds_since_1970
 
 CALIBRATION_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 

@@ -14,9 +14,10 @@ from fogreduce.metadata.campaign import Campaign
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.curves import Curves
 from fogreduce.metadata.effects_file import EffectsFile
-from fogreduce.metadata.instant import instant_from_microseconds, instant_text, parse_instant
+from fogreduce.metadata.instant import instant_text, parse_instant
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
+from fogreduce.units import instant_of
 
 SHARED = Path("/work/shared")
 
@@ -84,7 +85,7 @@ def test_start_is_exact_to_the_microsecond(lab):
     # 2014-05-12T13:00:00Z is 1 399 899 600 s after 1970 (`date -u -d ... +%s`)
     run = run_with(lab, started_at="2014-05-12T13:00:00.123457Z")
     assert run.start_us == 1_399_899_600_123_457
-    assert instant_from_microseconds(run.start_us) == run.started_at
+    assert instant_of(run.start_us) == run.started_at
 
 
 def test_models_are_frozen_and_come_back_from_what_they_write(lab):
