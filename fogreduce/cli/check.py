@@ -79,8 +79,8 @@ def _check_file(path: Path, calibrations: Path, faults: list[Fault]) -> str:
 
 def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
     """campaign.yaml, what it names, and all runs."""
-    from fogreduce.metadata.base import NAME_IN_WORDS
     from fogreduce.metadata.curves import Curves
+    from fogreduce.metadata.faults import NAME_IN_WORDS
     from fogreduce.metadata.folder import is_name, list_runs, load_campaign
 
     if not is_name(name := path.absolute().name or path.resolve().name):

@@ -10,7 +10,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, Strict, model_validator
 
-from fogreduce.metadata.base import Model, Name, NotNegatives, Reals, Triple, contradictions
+from fogreduce.metadata.base import Model, Name, NotNegatives, Reals, Triple
+from fogreduce.metadata.faults import contradictions
 from fogreduce.metadata.instant import Instant, instant_text
 
 

@@ -6,7 +6,8 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from fogreduce.metadata.base import FileName, Model, unexpected
+from fogreduce.metadata.base import FileName, Model
+from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.run import CALIBRATION_PATTERN
 
 

@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fogreduce.metadata.base import Model, Name, unexpected
+from fogreduce.metadata.base import Model, Name
+from fogreduce.metadata.faults import unexpected
 
 
 class ConfigModel(Model):

@@ -10,7 +10,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, Strict, model_validator
 
-from fogreduce.metadata.base import Model, NotNegative, NotNegatives, Reals, contradictions
+from fogreduce.metadata.base import Model, NotNegative, NotNegatives, Reals
+from fogreduce.metadata.faults import contradictions
 
 
 class UnstableInterval(Model):

@@ -10,12 +10,13 @@ import re
 from pathlib import Path
 
 from fogreduce.errors import BadInput, Fault
-from fogreduce.metadata.base import NAME_IN_WORDS, NAME_PATTERN
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.campaign import Campaign
+from fogreduce.metadata.faults import NAME_IN_WORDS, NAME_PATTERN
 from fogreduce.metadata.instant import instant_text
 from fogreduce.metadata.run import CALIBRATION_PATTERN, Run
-from fogreduce.metadata.yaml12 import kind_of, load_yaml
+from fogreduce.metadata.words import kind_of
+from fogreduce.metadata.yaml12 import load_yaml
 
 
 def is_name(text: str) -> bool:

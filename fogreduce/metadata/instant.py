@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
 
-from fogreduce.metadata.base import unexpected
+from fogreduce.metadata.faults import unexpected
 
 _EXPECTED = "a time with its zone, such as 2014-05-12T13:00:00Z (at most microseconds)"
 _SHAPE = re.compile(r"\d{4}-\d{2}-\d{2}[Tt ]\d{2}:\d{2}:\d{2}(\.\d{1,6})?([Zz]|[+-]\d{2}:\d{2})", re.ASCII)

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
 
-from fogreduce.metadata.base import FileName, Model, Name, NotNegative, Sign, Triple, unexpected
+from fogreduce.metadata.base import FileName, Model, Name, NotNegative, Sign, Triple
+from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.instant import Instant
 from fogreduce.units import microseconds_since_1970
 

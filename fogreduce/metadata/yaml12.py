@@ -17,6 +17,7 @@ from typing import Any
 import yaml
 
 from fogreduce.errors import BadInput
+from fogreduce.metadata.words import kind_of
 
 _Parser: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -186,24 +187,6 @@ class _Reader:
         if len(text) > LONGEST_INTEGER and re.fullmatch(r"[-+]?[0-9]+|0[ox][0-9a-fA-F]+", text):
             raise self._fault(event.start_mark, f"a whole number of {len(text)} digits", "a number in use")
         return resolve(text)
-
-
-def kind_of(value: object) -> str:
-    """A value in plain words, short enough for one line of an error."""
-    if value is None:
-        return "nothing"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int | float):
-        return repr(value)
-    if isinstance(value, str):
-        shown = value if len(value) <= 60 else value[:57] + "..."
-        return f"the text {shown!r}"
-    if isinstance(value, Mapping):
-        return "a mapping"
-    if isinstance(value, list | tuple):
-        return f"a list of {len(value)}"
-    return f"a {type(value).__name__}"
 
 
 def _plain(value: object) -> object:

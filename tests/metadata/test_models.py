@@ -8,12 +8,13 @@ import pytest
 from pydantic import ValidationError
 
 from fogreduce.errors import BadInput
-from fogreduce.metadata.base import Model, dotted
+from fogreduce.metadata.base import Model
 from fogreduce.metadata.calibration import DEFAULT_NOISE, DEFAULT_UNCERTAINTY, CalibrationRecord
 from fogreduce.metadata.campaign import Campaign
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.curves import Curves
 from fogreduce.metadata.effects_file import EffectsFile
+from fogreduce.metadata.faults import dotted
 from fogreduce.metadata.instant import instant_text, parse_instant
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
