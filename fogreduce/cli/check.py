@@ -81,7 +81,7 @@ def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
     """campaign.yaml, what it names, and all runs."""
     from fogreduce.metadata.curves import Curves
     from fogreduce.metadata.faults import NAME_IN_WORDS
-    from fogreduce.metadata.folder import is_name, list_runs, load_campaign
+    from fogreduce.metadata.folder import find_runs, is_name, load_campaign
 
     if not is_name(name := path.absolute().name or path.resolve().name):
         faults.append(Fault(str(path), "", f"a campaign called {name}", NAME_IN_WORDS))
@@ -89,17 +89,19 @@ def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
     made = campaign.captures_from if campaign else None
     if made and made.curves:
         _collect(faults, Curves.from_yaml, path / made.curves)
-    runs: list[Path] = _collect(faults, list_runs, path) or []
+    runs, bad_names = find_runs(path)
+    faults.extend(bad_names)
+    need_capture = campaign is not None and made is None
     for folder in _with_progress(runs):
-        _check_run(folder, calibrations, faults, need_capture=made is None)
+        _check_run(folder, calibrations, faults, need_capture=need_capture)
     return f"{len(runs)} run{'s' if len(runs) > 1 else ''}"
 
 
 def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capture: bool = True) -> str:
     """run.yaml, the files it names, its calibration record and its capture's header."""
-    path = path.parent if path.name == "run.yaml" else path
     from fogreduce.metadata.folder import cross_check, load_calibration, load_run, named_calibration
 
+    path = path.parent if path.name == "run.yaml" else path
     run = _collect(faults, load_run, path, need_capture=need_capture)
     record_id = run.calibration if run else named_calibration(path)
     loaded = _collect(faults, load_calibration, calibrations, record_id) if record_id else None

@@ -125,9 +125,8 @@ def _found_and_expected(
     if kind == "literal_error":
         return found, str(context["expected"]).replace("'", "")
     if kind == "string_pattern_mismatch":
-        return found, NAME_IN_WORDS if context[
-            "pattern"
-        ] == NAME_PATTERN else f"text like {context['pattern']}"
+        pattern = context["pattern"]
+        return found, NAME_IN_WORDS if pattern == NAME_PATTERN else f"text like {pattern}"
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
         length = len(value) if isinstance(value, Sized) else context["actual_length"]
@@ -163,9 +162,8 @@ def _unknown_key(model: type[BaseModel] | None, location: tuple[int | str, ...])
         return "an unknown key", "no such key"
     known = [info.alias or name for name, info in parent.model_fields.items()]
     close = difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
-    return f"an unknown key (did you mean {close[0]}?)" if close else "an unknown key", "one of " + ", ".join(
-        known
-    )
+    hint = f" (did you mean {close[0]}?)" if close else ""
+    return f"an unknown key{hint}", "one of " + ", ".join(known)
 
 
 def _described(model: type[BaseModel] | None, location: tuple[int | str, ...]) -> str:

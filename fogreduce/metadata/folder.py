@@ -32,16 +32,30 @@ def load_campaign(campaign_dir: Path | str) -> Campaign:
 
 def list_campaigns(campaigns_dir: Path | str) -> list[Path]:
     """Campaign folders (those that hold a folder ``runs``), in order of their names."""
-    return [path for path in _folders_in(Path(campaigns_dir), "campaign") if (path / "runs").is_dir()]
+    folders = [path for path in _folders_in(Path(campaigns_dir), "campaign") if (path / "runs").is_dir()]
+    if wrong := _bad_names(folders):
+        raise BadInput(*wrong)
+    return folders
 
 
 def list_runs(campaign_dir: Path | str) -> list[Path]:
     """Run folders of a campaign, in order of their names; hidden entries and plain files are passed over."""
-    runs = Path(campaign_dir) / "runs"
-    folders = _folders_in(runs, "run")
+    runs, faults = find_runs(campaign_dir)
+    if faults:
+        raise BadInput(*faults)
+    return runs
+
+
+def find_runs(campaign_dir: Path | str) -> tuple[list[Path], list[Fault]]:
+    """Run folders whose names will do, and the faults of the rest: for who goes on with what is fine."""
+    parent = Path(campaign_dir) / "runs"
+    try:
+        folders = _folders_in(parent, "run")
+    except BadInput as error:
+        return [], list(error.faults)
     if not folders:
-        raise BadInput.at(runs, "", found="no run", expected="one folder a run")
-    return folders
+        return [], [Fault(str(parent), "", "no run", "one folder a run")]
+    return [path for path in folders if is_name(path.name)], _bad_names(folders)
 
 
 def _folders_in(parent: Path, what: str) -> list[Path]:
@@ -50,11 +64,15 @@ def _folders_in(parent: Path, what: str) -> list[Path]:
     except OSError as error:
         found = "no such folder" if not parent.exists() else f"unreadable ({error.strerror})"
         raise BadInput.at(parent, "", found=found, expected=f"a folder with one folder a {what}") from None
-    folders = [path for path in entries if path.is_dir()]
-    wrong = [path for path in folders if not is_name(path.name)]
-    if wrong:
-        raise BadInput(*(Fault(str(path), "", "this folder's name", NAME_IN_WORDS) for path in wrong))
-    return folders
+    return [path for path in entries if path.is_dir()]
+
+
+def _bad_names(folders: list[Path]) -> list[Fault]:
+    return [
+        Fault(str(path), "", "this folder's name", NAME_IN_WORDS)
+        for path in folders
+        if not is_name(path.name)
+    ]
 
 
 def load_run(run_dir: Path | str, *, need_capture: bool = True) -> Run:
@@ -163,13 +181,17 @@ def _with_default_calibration(data: dict[str, object], run_dir: Path) -> dict[st
     """run.yaml's data, with campaign.yaml's calibration where it names none."""
     if "calibration" in data:
         return data
-    inside = run_dir if run_dir.parent.name else run_dir.absolute()
-    default = load_campaign(inside.parent.parent).calibration
+    default = load_campaign(_spelled_out(run_dir).parent.parent).calibration
     return {**data, "calibration": default} if default else data
 
 
+def _spelled_out(run_dir: Path) -> Path:
+    """`run_dir` as it stands, or in full where it does not tell its own and its parent's name (``.``)."""
+    return run_dir if len(run_dir.parts) > 1 and ".." not in run_dir.parts else run_dir.resolve()
+
+
 def _names_against_folder(data: dict[str, object], folder: Path, path: Path) -> list[Fault]:
-    name = folder.absolute().name if folder.name else folder.resolve().name
+    name = _spelled_out(folder).name
     run_id = data.get("run_id")
     if isinstance(run_id, str) and run_id != name:
         return [Fault(str(path), "run_id", kind_of(run_id), f"{name}, the folder's name")]

@@ -36,6 +36,8 @@ _OCTAL = re.compile(r"0o[0-7]+")
 _HEXADECIMAL = re.compile(r"0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"[-+]?\.(inf|Inf|INF)")
+#: Control characters and what one version or the other takes for a line's end.
+_NOT_PLAIN = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ufeff]")
 _NAN = re.compile(r"\.(nan|NaN|NAN)")
 
 
@@ -216,6 +218,8 @@ class _Dumper(yaml.SafeDumper):
 
 def _represent_text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
     style = None if isinstance(resolve(text), str) else "'"
+    if _NOT_PLAIN.search(text):
+        style = '"'  # with escapes, on one line
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
 
 

@@ -117,6 +117,7 @@ def test_every_fault_of_every_run_at_once(lab):
     bad["started_at"] = "2011-01-01T00:00:00Z"
     (lab.runs[1] / "run.yaml").write_text(dump_yaml(bad))
     (lab.runs[2] / "run.yaml").write_text("[")
+    (lab.campaign / "runs" / "run 4").mkdir()
     (lab.campaign / "campaign.yaml").write_text("titel: x\n")
     lines = lab.faults(lab.campaign)
     for file, key in [
@@ -127,9 +128,10 @@ def test_every_fault_of_every_run_at_once(lab):
         (lab.runs[1] / "run.yaml", "started_at"),
         (lab.runs[1] / "capture.fogcap", "header"),
         (lab.runs[2] / "run.yaml", "line "),
+        (lab.campaign / "runs" / "run 4", "found this folder's name"),
     ]:
         assert sum(line.startswith(f"{file}: {key}") for line in lines) == 1, (file, key)
-    assert len(lines) == 7
+    assert len(lines) == 8
 
 
 def test_a_records_fault_is_told_once_for_all_runs(lab):

@@ -5,6 +5,7 @@ import pytest
 from fogreduce.errors import BadInput
 from fogreduce.metadata.campaign import Campaign
 from fogreduce.metadata.folder import (
+    find_runs,
     is_name,
     list_campaigns,
     list_runs,
@@ -53,7 +54,12 @@ def test_broken_campaign_file_is_told_where_it_is_needed(lab):
 
 def test_relative_paths(lab, monkeypatch):
     lab.edit("run", "calibration: TETRA-01@2012a\n", "")
-    for folder, path in ((lab.run, "."), (lab.run.parent, "r1"), (lab.campaign, "runs/r1")):
+    for folder, path in (
+        (lab.run, "."),
+        (lab.run.parent, "r1"),
+        (lab.campaign, "runs/r1"),
+        (lab.calibrations, "../c1/runs/r1"),
+    ):
         monkeypatch.chdir(folder)
         assert load_run(path).calibration == "TETRA-01@2012a"
 
@@ -84,6 +90,24 @@ def test_folders_with_bad_names(lab):
     with pytest.raises(BadInput) as error:
         list_runs(lab.campaign)
     assert len(error.value.faults) == 2
+    runs, faults = find_runs(lab.campaign)
+    assert [path.name for path in runs] == ["r1"]
+    assert len(faults) == 2
+
+
+def test_only_folders_with_runs_are_campaigns(lab):
+    root = lab.campaign.parent
+    (root / "my notes").mkdir()
+    assert [path.name for path in list_campaigns(root)] == ["c1"]
+    (root / "my notes" / "runs").mkdir()
+    with pytest.raises(BadInput, match="my notes: found this folder's name; expected a name of 1 to 64"):
+        list_campaigns(root)
+
+
+def test_a_run_named_from_below(lab, monkeypatch):
+    (lab.run / "below").mkdir()
+    monkeypatch.chdir(lab.run / "below")
+    assert load_run("..").run_id == "r1"
 
 
 def test_no_runs(lab, tmp_path):
