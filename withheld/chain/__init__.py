@@ -1,0 +1,1 @@
+"""The measurement chain of a capture, written from the contract's text alone."""

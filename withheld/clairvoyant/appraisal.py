@@ -1,0 +1,162 @@
+"""Everything the clairvoyant knows about one campaign: what each score will stand beside."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from withheld.arrays import Array
+from withheld.chain.injector import World
+from withheld.chain.temperature import Temperature
+from withheld.clairvoyant.blocks import Metric, difference, metric
+from withheld.clairvoyant.full_rate import STATISTICS, Healthy, level_free, process_separation
+from withheld.clairvoyant.lines import FAST, motion_share, within_blocks
+from withheld.clairvoyant.rivals import EVERY, Key, Rival, slow_rivals
+from withheld.clairvoyant.separation import left_by, separations, snr
+from withheld.effects.entry import Entry
+
+GROUP_BELOW = 4.0
+KEPT_BELOW = 12.0
+# These change means too, so that block means tell about them.
+_BOTH = ("low_pass",)
+
+
+def _others(world: World, entry: Entry) -> tuple[Entry, ...]:
+    return tuple(other for other in world.entries if other is not entry)
+
+
+def _slow_part(world: World, inner: Metric, entry: Entry) -> Array:
+    """Whitened difference of block means that the entry makes beside the others, (rows,)."""
+    if entry.effect in STATISTICS and entry.effect not in _BOTH:
+        return np.zeros(inner.nuisances.shape[0])
+    return inner.white(difference(world, (entry,), _others(world, entry)))
+
+
+def _fast_part(world: World, entry: Entry, healthy: Healthy) -> tuple[float, Array]:
+    """SNR^2 beyond block means: of the full-rate statistic, and of the waveform within blocks by gyro (n,)."""
+    found = STATISTICS[entry.effect](world, entry, healthy) ** 2 if entry.effect in STATISTICS else 0.0
+    weights = within_blocks(world, entry) if entry.effect in FAST else np.zeros(world.campaign.unit.n)
+    return found, weights
+
+
+def effect_snr(world: World, inner: Metric, entry: Entry, healthy: Healthy) -> float:
+    """The signal-to-noise ratio of one effect beside the campaign's others."""
+    statistic, weights = _fast_part(world, entry, healthy)
+    return float(np.sqrt(snr(inner, _slow_part(world, inner, entry)) ** 2 + statistic + weights.sum()))
+
+
+def _imitated_within(
+    world: World, entry: Entry, weights: Array, slow: dict[Key, float], slow_snr: float
+) -> dict[Key, float]:
+    """How much of the SNR^2 within blocks each rival could imitate.
+
+    A rival that imitates a share of the block means is taken to imitate the same share of what lies inside
+    the blocks.  Lines too fast for block means are treated by themselves: a motion of the base has three free
+    components, a line on one gyro is one amplitude, and one line is 1 / 2.72 of an intermodulation's four.
+    """
+    total = float(weights.sum())
+    if slow_snr > 3.0:
+        return {key: total * max(1.0 - (d / slow_snr) ** 2, 0.0) for key, d in slow.items()}
+    lines: dict[Key, float] = {
+        ("periodic_interference", (f"gyro{i + 1}",), EVERY): float(weight) for i, weight in enumerate(weights)
+    }
+    if entry.effect == "periodic_interference":
+        lines[("base_motion", ("table",), EVERY)] = total * motion_share(world, weights)
+        return lines
+    if entry.effect == "base_motion":
+        return lines
+    if entry.effect == "line_intermodulation":
+        return {key: weight / 2.72 for key, weight in lines.items()}
+    return {}
+
+
+def _rival_distances(
+    world: World, inner: Metric, entry: Entry, rivals: list[Rival], healthy: Healthy
+) -> tuple[float, dict[Key, float]]:
+    truth = _slow_part(world, inner, entry)
+    statistic, weights = _fast_part(world, entry, healthy)
+    own: Key = (entry.effect, entry.channels, entry.runs)
+    slow_snr = snr(inner, truth)
+    slow: dict[Key, float] = {}
+    if slow_snr > 0.5:
+        slow = separations(inner, truth, own, rivals, _beside(world, inner, entry))
+    within = _imitated_within(world, entry, weights, slow, slow_snr) if weights.any() else {}
+    fast = statistic + float(weights.sum())
+    distances = {
+        key: float(np.sqrt(max(slow.get(key, slow_snr) ** 2 + fast - within.get(key, 0.0), 0.0)))
+        for key in slow.keys() | within.keys()
+        if key != own
+    }
+    processes = ("bias_instability", "rate_random_walk")
+    if entry.effect in processes:
+        rival = processes[1 - processes.index(entry.effect)]
+        distances[(rival, entry.channels, EVERY)] = process_separation(world, entry, rival)
+    if entry.effect in ("low_pass", "band_limited_noise"):
+        left = np.hypot(level_free(world, entry), slow_snr)
+        distances[("angle_random_walk", entry.channels, EVERY)] = float(left)
+    return float(np.sqrt(slow_snr**2 + fast)), distances
+
+
+def _beside(world: World, inner: Metric, entry: Entry) -> Array | None:
+    """Whitened differences of the campaign's other effects, (rows, k); None where block means show none."""
+    columns = [_slow_part(world, inner, other) for other in _others(world, entry)]
+    seen = [column for column in columns if column.any()]
+    return np.stack(seen, axis=1) if seen else None
+
+
+def oracle_closure(world: World, inner: Metric) -> float | None:
+    """The share of the gap in block means that the true effects, in the catalogue's shape, with their true
+    parameters and the logged temperature, would close: 1 - |left|^2 / |gap|^2 in the whitened metric.
+    None where block means hold less than SNR 3 of a gap.
+    """
+    gap = inner.white(difference(world, world.entries))
+    if snr(inner, gap) < 3.0:
+        return None
+    plain = tuple(replace(entry, departure={}) for entry in world.entries)
+    logged = {
+        run: Temperature(heat.time_s, heat.electronics_degC, heat.sensor_degC, heat.sensor_degC)
+        for run, heat in world.heat.items()
+    }
+    model = inner.white(difference(replace(world, heat=logged), plain))
+    return 1.0 - snr(inner, gap - model) ** 2 / snr(inner, gap) ** 2
+
+
+def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[str, Any]:
+    """For each effect its SNR, its rivals' separations, and its group: itself and what stands below 4."""
+    inner = metric(world)
+    effects: list[dict[str, Any]] = []
+    rivals = slow_rivals(world, inner, catalogue) if world.entries else []
+    for entry in world.entries:
+        total, distances = _rival_distances(world, inner, entry, rivals, healthy)
+        near = sorted(((k, d) for k, d in distances.items() if k[0] in catalogue), key=lambda item: item[1])
+        effects.append(
+            {
+                "snr": total,
+                "best_rival": near[0][1] if near else total,
+                "rivals": [
+                    {"effect": key[0], "channels": list(key[1]), "runs": list(key[2]), "separation": d}
+                    for key, d in near
+                    if d < KEPT_BELOW
+                ],
+                "attainable_std": _attainable(world, inner, entry, healthy, total),
+            }
+        )
+    whole = inner.white(difference(world, world.entries)) if world.entries else np.zeros(0)
+    return {
+        "effects": effects,
+        "slow_snr": snr(inner, whole) if world.entries else 0.0,
+        "oracle_closure": oracle_closure(world, inner) if world.entries else None,
+    }
+
+
+def _attainable(world: World, inner: Metric, entry: Entry, healthy: Healthy, total: float) -> float | None:
+    """Relative standard deviation that the best estimate of the amplitude could have, others profiled out.
+
+    1 / SNR for an effect whose amplitude shifts means in proportion; None for the rest.
+    """
+    if entry.effect in STATISTICS or total == 0.0:
+        return None
+    truth, others = _slow_part(world, inner, entry), _beside(world, inner, entry)
+    slow = snr(inner, truth) if others is None else left_by(inner, truth, others)
+    kept = float(np.hypot(slow, np.sqrt(_fast_part(world, entry, healthy)[1].sum())))
+    return 1.0 / kept if kept > 0.0 else None

@@ -1,0 +1,1 @@
+"""What can be wrong: the catalogue's effects, and some that never were in it."""

@@ -1,0 +1,117 @@
+"""A study's page: what was examined, every row as k of n, and the figures."""
+
+import io
+import shutil
+from pathlib import Path
+from typing import Any
+
+from withheld.atomic import write_bytes, write_json, write_text
+from withheld.report.figures import FIGURES
+from withheld.score.wilson import Share
+
+_CAPTIONS = {
+    "causes": "One effect of the catalogue: shares in bands of signal-to-noise ratio, with 95 % intervals, beside "
+    "what somebody who knows the waveforms would reach.",
+    "outside": "Effects that the diagnoser had no name for.",
+    "confusion": "Cases of at most one effect.",
+    "reliability": "Stated probabilities against the share that was right, with 95 % intervals.",
+    "numbers": "Parameters and closure.",
+}
+
+
+def _count(n: int, what: str) -> str:
+    return f"{n} {what}" if n != 1 else f"{n} {what.removesuffix('s')}"
+
+
+def _head(scores: dict[str, Any]) -> list[str]:
+    kinds = scores["summary"]["kinds"]
+    words = {
+        "nothing": "with nothing wrong", "single": "with one effect", "pair": "with two", "triple": "with three",
+        "without": "with an effect taken out of the catalogue", "stranger": "with one that never was in it",
+    }  # fmt: skip
+    listed = ", ".join(f"{kinds[k]} {text}" for k, text in words.items() if k in kinds)
+    if scores["once"]:
+        stood = f"It was scored once. {_count(scores['studies_before'], 'studies')} of this candidate came before it."
+        stood = stood.replace("1 studie of", "1 study of")
+    else:
+        stood = (
+            "It tries the path from injection to report and may be run again: it proves nothing about a candidate. "
+            f"Studies of this candidate that count, before it: {scores['studies_before']}; tries like this: "
+            f"{scores['tries_before']}."
+        )
+    seals = "".join(f"| {name} | `{digest}` |\n" for name, digest in scores["seals"].items())
+    return [
+        f"# Withheld study {scores['study']}-{scores['seed']}: {scores['candidate']}\n",
+        f"{scores['summary']['cases']} campaigns: {listed}. {stood}\n",
+        "Sealed before scoring (SHA-256):\n",
+        f"| what | digest |\n|---|---|\n{seals}",
+        "Every row is k of n with Wilson's 95 % interval. How the bench works, and what each row means: "
+        "`docs/withheld.md`.\n",
+    ]
+
+
+def _tables(summary: dict[str, Any]) -> list[str]:
+    parts = []
+    for table in summary["tables"]:
+        rows = [row for row in table["rows"] if row["n"]]
+        if rows:
+            lines = "".join(f"| {row['row']} | {Share(row['k'], row['n']).text()} |\n" for row in rows)
+            parts.append(f"### {table['title']}\n\n| | |\n|---|---|\n{lines}")
+    return parts
+
+
+def _ideal(summary: dict[str, Any]) -> str:
+    lines = "".join(
+        f"| {r['band']} | {r['n']} | {100 * r['seen']:.1f} % | {100 * r['named']:.1f} % |\n"
+        for r in summary["clairvoyant"]
+    )
+    return f"### The clairvoyant, one effect\n\n| SNR | cases | sees a gap | names the cause |\n|---|---|---|---|\n{lines}"
+
+
+def _reliability(summary: dict[str, Any]) -> str:
+    lines = ""
+    for name, part in summary["reliability"].items():
+        if part["n"]:
+            lines += f"| {name} | {part['n']} | {part['error']:.3f} | {part['expected_error']:.3f} |\n"
+    return (
+        "### Reliability\n\nMean distance between stated probability and share right, and what a perfectly calibrated "
+        f"answer of the same size would show.\n\n| | n | distance | if calibrated |\n|---|---|---|---|\n{lines}"
+    )
+
+
+def _spread(summary: dict[str, Any]) -> str:
+    names = {
+        "pulls": "parameter pulls", "std_over_attainable": "stated over attainable standard deviation",
+        "closure_less_oracle": "closure less the oracle's", "group_size": "members in a group",
+        "seconds": "seconds a campaign",
+    }  # fmt: skip
+    lines = ""
+    for key, name in names.items():
+        q = summary[key]
+        if q["n"]:
+            lines += f"| {name} | {q['n']} | {q['median']:.3g} | {q['p16']:.3g} to {q['p84']:.3g} |\n"
+    return f"### Numbers\n\n| | n | median | 16 to 84 % |\n|---|---|---|---|\n{lines}"
+
+
+def page(scores: dict[str, Any]) -> str:
+    """The page in Markdown; the figures lie beside it."""
+    summary = scores["summary"]
+    figures = [f"![{text}]({name}.png)\n\n{text}\n" for name, text in _CAPTIONS.items()]
+    parts = [*_head(scores), "## Scores\n", *_tables(summary), _ideal(summary), _reliability(summary)]
+    return "\n".join([*parts, _spread(summary), "## Figures\n", *figures])
+
+
+def write_page(scores: dict[str, Any], out: Path) -> None:
+    """`out/index.md`, the figures and the scores themselves; a report already there is replaced whole."""
+    partial = out.with_name(f".{out.name}.part")
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    for name, draw in FIGURES.items():
+        picture = io.BytesIO()
+        # Without a creation date, so that equal scores give equal bytes.
+        draw(scores).savefig(picture, format="png", dpi=110, metadata={"Software": None})
+        write_bytes(partial / f"{name}.png", picture.getvalue())
+    write_json(partial / "scores.json", scores)
+    write_text(partial / "index.md", page(scores))
+    shutil.rmtree(out, ignore_errors=True)
+    partial.rename(out)

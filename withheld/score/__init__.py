@@ -1,0 +1,1 @@
+"""Diagnoses judged against the sealed labels."""

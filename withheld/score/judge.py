@@ -1,0 +1,233 @@
+"""One diagnosis beside one label: what was right and what was wrong."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from withheld.effects.catalogue import IN_ONE_RUN
+from withheld.score.diagnosis_file import Cause, Diagnosis, Key
+from withheld.study.protocol import Thresholds
+
+CATALOGUED = ("single", "pair", "triple")
+OUTSIDE = ("without", "stranger")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A case, scored.  Fields that do not apply are None.
+
+    Parameters
+    ----------
+    kind, design, gyros, effects : the case
+    snr : of the faintest effect; None where nothing is wrong
+    valid : a diagnosis of the contract's form was there
+    flagged : a gap was seen
+    exact, by_group : share-free judgements: every cause right by name; by pure group
+    named : how many of the effects are among the causes by name
+    verdict_right : as the protocol's metrics say
+    fate : for what is not in the catalogue: flagged_in_place, flagged_elsewhere, misattributed,
+        indistinguishable, missed
+    place_right : the first place of `where` is where it is
+    separated : least separation of a rival from the truth (of the faintest effect)
+    answer : effect named first, or the verdict where none is
+    stated : (probability, right) of every cause; of groups likewise
+    gap, unknown : (probability, right)
+    pulls : (value - truth) / std, and attainable : std / attainable std
+    closure : (fraction, std, oracle)
+    group_size, group_pure : of the first cause's group: members, and members that belong in it
+    seconds : time the diagnoser took [s]
+    """
+
+    case: str
+    kind: str
+    design: str
+    gyros: int
+    effects: tuple[str, ...]
+    snr: float | None
+    valid: bool
+    flagged: bool
+    exact: bool | None
+    by_group: bool | None
+    named: int | None
+    verdict_right: bool
+    fate: str | None
+    place_right: bool | None
+    separated: float | None
+    answer: str
+    stated: tuple[tuple[float, bool], ...] = ()
+    stated_group: tuple[tuple[float, bool], ...] = ()
+    gap: tuple[float, bool] | None = None
+    unknown: tuple[float, bool] | None = None
+    pulls: tuple[float, ...] = ()
+    attainable: tuple[float, ...] = ()
+    closure: tuple[float, float, float] | None = None
+    group_size: int | None = None
+    group_pure: int | None = None
+    impure_far: bool | None = None
+    seconds: float | None = None
+
+
+def same(one: Key, truth: Key, parameters: Mapping[str, Any]) -> bool:
+    """Whether a stated cause is the truth: effect and channels, and the run where the effect sits in one.
+
+    A swap may be named from either side.  `parameters` are the truth's.
+    """
+    if one[0] != truth[0]:
+        return False
+    if truth[0] in IN_ONE_RUN and one[2] != truth[2]:
+        return False
+    if truth[0] == "channel_swap":
+        return one[1] in (truth[1], (parameters["with"],))
+    return one[1] == truth[1]
+
+
+def _truth_key(effect: Mapping[str, Any]) -> Key:
+    return (effect["effect"], tuple(sorted(effect["channels"])), tuple(sorted(effect["runs"])))
+
+
+def _is(key: Key, effect: Mapping[str, Any]) -> bool:
+    return same(key, _truth_key(effect), effect["parameters"])
+
+
+def separation_of(member: Key, effect: Mapping[str, Any], kept_below: float) -> float:
+    """What the clairvoyant says of a stated member: 0 for the truth itself; `kept_below`, the largest that a
+    label keeps, for what it does not list.
+    """
+    if _is(member, effect):
+        return 0.0
+    for rival in effect["rivals"]:
+        key = (rival["effect"], tuple(sorted(rival["channels"])), tuple(sorted(rival["runs"])))
+        if same(member, key, rival.get("parameters", {"with": ""})):
+            return float(rival["separation"])
+    return kept_below
+
+
+def _group_right(cause: Cause, effect: Mapping[str, Any], never: float) -> bool:
+    """The truth is in the cause's group, and nobody who is far from it."""
+    far = [m for m in cause.group if separation_of(m, effect, never) >= never]
+    return any(_is(m, effect) for m in cause.group) and not far
+
+
+def _matched(diagnosis: Diagnosis, effects: list[Mapping[str, Any]], never: float) -> tuple[int, int]:
+    """How many effects stand among the leading causes by name, and by pure group; as many causes as effects."""
+    leading = diagnosis.causes[: len(effects)]
+    by_name = sum(any(_is(cause.key, effect) for cause in leading) for effect in effects)
+    by_group = sum(
+        any(_is(cause.key, effect) or _group_right(cause, effect, never) for cause in leading)
+        for effect in effects
+    )
+    return by_name, by_group
+
+
+def place_right(diagnosis: Diagnosis, effects: list[Mapping[str, Any]]) -> bool:
+    """Whether the first place named is where an effect is.
+
+    For what a true rotation would do (table, site, mounting): the stage `table`.  Otherwise one of the gyros
+    named is one in which it sits.  A swap sits in both gyros.
+    """
+    if not diagnosis.where:
+        return False
+    stage, channels, _ = diagnosis.where[0]
+    for effect in effects:
+        seats = set(effect["channels"]) | {effect["parameters"].get("with", "")}
+        if effect["block"] == "table" and (stage == "table" or "table" in channels):
+            return True
+        here = bool(seats & set(channels)) or (effect["effect"] == "clock_error" and stage == "link")
+        # naming every gyro points at none
+        if here and len(channels) <= max(len(effect["channels"]), 2):
+            return True
+    return False
+
+
+def _fate(diagnosis: Diagnosis, effect: Mapping[str, Any], thresholds: Thresholds) -> str:
+    if diagnosis.verdict == "no_gap":
+        return "missed"
+    if diagnosis.verdict in ("unexplained", "partly_explained"):
+        return "flagged_in_place" if place_right(diagnosis, [effect]) else "flagged_elsewhere"
+    return "misattributed" if effect["best_rival"] >= thresholds.stranger_keeps else "indistinguishable"
+
+
+def _pulls(
+    diagnosis: Diagnosis, effects: list[Mapping[str, Any]]
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Pulls of the parameters of causes that are right by name, and stated over attainable standard deviations."""
+    pulls, ratios = [], []
+    for effect in effects:
+        truth: dict[str, Any] = {}
+        for name, value in effect["parameters"].items():
+            values = (
+                {f"{name}[{k}]": v for k, v in enumerate(value)} if isinstance(value, list) else {name: value}
+            )
+            truth |= values
+        for cause in diagnosis.causes:
+            if not _is(cause.key, effect):
+                continue
+            for name, (value, std) in cause.parameters.items():
+                known = truth.get(name)
+                if std > 0.0 and isinstance(known, int | float):
+                    pulls.append((value - known) / std)
+            numbers = list(cause.parameters.values())
+            if effect["attainable_std"] and len(numbers) == 1 and numbers[0][0] != 0.0:
+                ratios.append(numbers[0][1] / abs(numbers[0][0]) / effect["attainable_std"])
+    return tuple(pulls), tuple(ratios)
+
+
+def judge(
+    label: Mapping[str, Any],
+    diagnosis: Diagnosis | None,
+    thresholds: Thresholds,
+    seconds: float | None = None,
+) -> Outcome:
+    """The outcome of one case; without a diagnosis of the contract's form it is wrong in every respect."""
+    kind, effects = label["kind"], list(label["effects"])
+    wrong, outside = kind != "nothing", kind in OUTSIDE
+    faintest = min(effects, key=lambda e: e["snr"]) if effects else None
+    base = {
+        "case": label["case"], "kind": kind, "design": label["design"], "gyros": label["gyros"],
+        "effects": tuple(e["effect"] for e in effects), "snr": faintest["snr"] if faintest else None,
+        "separated": faintest["best_rival"] if faintest else None, "seconds": seconds,
+    }  # fmt: skip
+    if diagnosis is None:
+        return Outcome(
+            **base, valid=False, flagged=not wrong, exact=False if kind in CATALOGUED else None,
+            by_group=False if kind in CATALOGUED else None, named=0 if kind in CATALOGUED else None,
+            verdict_right=False, fate="missed" if outside else None, place_right=False if wrong else None,
+            answer="invalid",
+        )  # fmt: skip
+
+    flagged = diagnosis.verdict != "no_gap"
+    exact = by_group = named = fate = None
+    verdict_right = not flagged
+    if kind in CATALOGUED:
+        named, grouped = _matched(diagnosis, effects, thresholds.group_never)
+        extra = len(diagnosis.causes) > len(effects)
+        exact, by_group = named == len(effects) and not extra, grouped == len(effects) and not extra
+        verdict_right = diagnosis.verdict == "explained"
+    elif outside:
+        fate = _fate(diagnosis, effects[0], thresholds)
+        verdict_right = diagnosis.verdict in ("unexplained", "partly_explained")
+
+    stated = tuple((c.probability, any(_is(c.key, e) for e in effects)) for c in diagnosis.causes)
+    stated_group = tuple(
+        (c.group_probability, any(_is(m, e) for e in effects for m in c.group)) for c in diagnosis.causes
+    )
+    pulls, ratios = _pulls(diagnosis, effects)
+    oracle = label["oracle_closure"]
+    closure = (
+        (*diagnosis.closure, oracle)
+        if diagnosis.closure and oracle is not None and kind in CATALOGUED
+        else None
+    )
+    first = diagnosis.causes[0] if diagnosis.causes else None
+    size = pure = far = None
+    if first is not None and kind == "single":
+        apart = [separation_of(m, effects[0], thresholds.group_never) for m in first.group]
+        size, pure = len(apart), sum(d < thresholds.group_below for d in apart)
+        far = any(d >= thresholds.group_never for d in apart)
+    return Outcome(
+        **base, valid=True, flagged=flagged, exact=exact, by_group=by_group, named=named,
+        verdict_right=verdict_right, fate=fate, place_right=place_right(diagnosis, effects) if wrong else None,
+        answer=first.key[0] if first else diagnosis.verdict, stated=stated, stated_group=stated_group,
+        gap=(diagnosis.gap_probability, wrong), unknown=(diagnosis.unknown_probability, outside),
+        pulls=pulls, attainable=ratios, closure=closure, group_size=size, group_pure=pure, impure_far=far,
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""A study: its protocol, its cases, and how it is sealed."""
