@@ -47,8 +47,7 @@ def warm_up(duration_s: float, generator: np.random.Generator) -> tuple[Array, A
     rise = 9.0 * (1.0 - np.exp(-since_power_on / fast))
     # A first-order lag `slow` of that rise, which was 0 at power-on.
     lagged = 9.0 * (
-        1.0
-        - (fast * np.exp(-since_power_on / fast) - slow * np.exp(-since_power_on / slow)) / (fast - slow)
+        1.0 - (fast * np.exp(-since_power_on / fast) - slow * np.exp(-since_power_on / slow)) / (fast - slow)
     )
     electronics = room + rise + 0.02 * generator.standard_normal(time.size)
     sensor = room + 0.35 * lagged + 0.003 * generator.standard_normal(time.size)

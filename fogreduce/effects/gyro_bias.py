@@ -1,0 +1,187 @@
+"""Effects that add to what a gyro reads, ``M_i += ...`` [deg/s], and the one that tips its axis."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.effects.at import At
+from fogreduce.effects.model import Effect, Parameter, Parameters, Stage
+
+Array = NDArray[np.float64]
+
+_TACTICAL = (
+    "tactical grade in Groves (2013), table 4.1, and Titterton & Weston (2004), ch. 5: 0.1 to 100 deg/h"
+)
+_SHUPE = "Shupe (1980); Lefevre, The Fiber-Optic Gyroscope (2014), ch. 6: quadrupolar coils 0.01 to 1 deg/h per degC/min"
+
+
+def bias_offset(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += value."""
+    return reading + p["deg_h"] / SECONDS_PER_HOUR
+
+
+def bias_ramp(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += value t, t in hours."""
+    return reading + p["deg_h_per_h"] / SECONDS_PER_HOUR * (at.time_s / SECONDS_PER_HOUR)
+
+
+def bias_step(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += value from `time_s` on, that instant included."""
+    return reading + p["deg_h"] / SECONDS_PER_HOUR * (at.time_s >= p["time_s"])
+
+
+def warm_up(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += A exp(-t / tau)."""
+    return reading + p["deg_h"] / SECONDS_PER_HOUR * np.exp(-at.time_s / p["tau_s"])
+
+
+def temperature_bias(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += k (T_sensor(t) - T_sensor(0))."""
+    return reading + p["deg_h_per_degC"] / SECONDS_PER_HOUR * at.warmed_degC
+
+
+def temperature_rate_bias(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += k dT_sensor/dt."""
+    return reading + p["deg_h_per_degC_per_min"] / SECONDS_PER_HOUR * at.warming_degC_per_min
+
+
+def acceleration_bias(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += k (G_i . up), in g: on a table that does not accelerate, the specific force is 1 g upward."""
+    up = at.motion.seen(np.array([0.0, 0.0, 1.0]), at.alpha_rad)
+    return reading + p["deg_h_per_g"] / SECONDS_PER_HOUR * (at.axis @ up)
+
+
+def magnetic_bias(reading: Array, p: Parameters, at: At) -> Array:
+    """M_i += k (G_i . R u0 F), F of length 1."""
+    field = np.array(p["field_direction"])
+    seen = at.motion.seen(field / np.linalg.norm(field), at.alpha_rad)
+    return reading + p["deg_h"] / SECONDS_PER_HOUR * (at.axis @ seen)
+
+
+def axis_misalignment(axis: Array, p: Parameters, at: At) -> Array:
+    """G_i += delta; what of delta lies along G_i is removed."""
+    delta = np.array(p["mrad"]) * 1e-3
+    along = axis / np.linalg.norm(axis)
+    return axis + (delta - along * (along @ delta))
+
+
+EFFECTS = (
+    Effect(
+        "bias_offset",
+        Stage.BIAS,
+        "M_i += value, in every run",
+        bias_offset,
+        _TACTICAL,
+        (Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 20.0)),),
+        {"deg_h": 2.0},
+    ),
+    Effect(
+        "turn_on_bias",
+        Stage.BIAS,
+        "M_i += value, in one run, beyond the stated uncertainty",
+        bias_offset,
+        "turn-on to turn-on repeatability of tactical-grade units' data sheets: 0.1 to 10 deg/h",
+        (Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 10.0)),),
+        {"deg_h": 2.0},
+    ),
+    Effect(
+        "bias_ramp",
+        Stage.BIAS,
+        "M_i += value t, t in hours since the run's start",
+        bias_ramp,
+        "ageing of source power and ramps of IEEE Std 952, annex C; the paper's Table 4 has 3 deg/h over 1.7 h",
+        (Parameter("deg_h_per_h", "deg/h/h", "value", off=0.0, realistic=(0.05, 5.0)),),
+        {"deg_h_per_h": 20.0},
+    ),
+    Effect(
+        "bias_step",
+        Stage.BIAS,
+        "M_i += value for t >= time_s, in one run",
+        bias_step,
+        "hops of a source's mode or of a loop's lock, of the size of a turn-on bias",
+        (
+            Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 10.0)),
+            Parameter("time_s", "s", "when", low=-1e9, high=1e9, realistic=(0.0, 6000.0)),
+        ),
+        {"deg_h": 2.0, "time_s": 120.0},
+    ),
+    Effect(
+        "warm_up",
+        Stage.BIAS,
+        "M_i += A exp(-t / tau), in every run",
+        warm_up,
+        "IEEE Std 952, warm-up time; data sheets of tactical-grade units: minutes to an hour to settle",
+        (
+            Parameter("deg_h", "deg/h", "A", off=0.0, realistic=(0.2, 20.0)),
+            Parameter("tau_s", "s", "tau", low=1e-6, high=1e9, realistic=(30.0, 3000.0)),
+        ),
+        {"deg_h": 3.0, "tau_s": 60.0},
+    ),
+    Effect(
+        "temperature_bias",
+        Stage.BIAS,
+        "M_i += k (T_sensor(t) - T_sensor(0))",
+        temperature_bias,
+        "IEEE Std 952, bias temperature sensitivity; data sheets: 0.02 to 2 deg/h/degC uncompensated",
+        (Parameter("deg_h_per_degC", "deg/h/degC", "k", off=0.0, realistic=(0.02, 2.0)),),
+        {"deg_h_per_degC": 2.0},
+        needs_temperature=True,
+    ),
+    Effect(
+        "temperature_rate_bias",
+        Stage.BIAS,
+        "M_i += k dT_sensor/dt, the slope of a straight line over the 20 s around t",
+        temperature_rate_bias,
+        _SHUPE,
+        (Parameter("deg_h_per_degC_per_min", "deg/h/(degC/min)", "k", off=0.0, realistic=(0.05, 10.0)),),
+        {"deg_h_per_degC_per_min": 10.0},
+        needs_temperature=True,
+    ),
+    Effect(
+        "acceleration_bias",
+        Stage.BIAS,
+        "M_i += k (G_i . up)",
+        acceleration_bias,
+        "IEEE Std 952, acceleration-sensitive drift: small in a fibre-optic gyro, up to 1 deg/h/g by stress on the coil",
+        (Parameter("deg_h_per_g", "deg/h/g", "k", off=0.0, realistic=(0.01, 1.0)),),
+        {"deg_h_per_g": 2.0},
+    ),
+    Effect(
+        "magnetic_bias",
+        Stage.BIAS,
+        "M_i += k (G_i . R u0 F), F a direction fixed in the room",
+        magnetic_bias,
+        "Faraday effect in depolarised coils, Lefevre (2014), ch. 7: 0.1 to 10 deg/h per gauss unshielded, "
+        "in Earth's field of 0.25 to 0.65 gauss",
+        (
+            Parameter("deg_h", "deg/h", "k", off=0.0, realistic=(0.05, 5.0)),
+            Parameter("field_direction", "", "F, east, north, up; normalised", kind="vector"),
+        ),
+        {"deg_h": 2.0, "field_direction": (0.0, 0.8, 0.6)},
+    ),
+)
+
+AXIS_EFFECTS = (
+    Effect(
+        "axis_misalignment",
+        Stage.AXES,
+        "G_i += delta, delta at right angles to G_i",
+        axis_misalignment,
+        "input-axis misalignment of IEEE Std 952; 0.1 to 3 mrad as mounted, some 0.02 mrad calibrated",
+        (
+            Parameter(
+                "mrad",
+                "mrad",
+                "delta, along x, y, z of the unit; a part along the axis is removed",
+                off=(0.0, 0.0, 0.0),
+                low=-1e3,
+                high=1e3,
+                realistic=(0.05, 3.0),
+                kind="vector",
+            ),
+        ),
+        {"mrad": (1.0, 0.0, 0.5)},
+    ),
+)

@@ -1,0 +1,111 @@
+"""The true motion of the unit: the commanded profile as the table really follows it, and where the unit lies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.earth_rate import EarthPart
+from fogreduce.physics.frames import turn_about_axis
+from fogreduce.physics.table_motion import Profile, table_rates
+
+Array = NDArray[np.float64]
+_ONES = np.ones(3)
+
+
+@dataclass(frozen=True)
+class Ripple:
+    """The table's rate is modulated by ``1 + amplitude cos(harmonic alpha + phase)``, alpha as commanded [rad]."""
+
+    amplitude: float
+    harmonic: int
+    phase_rad: float
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Angular vibration ``amplitude sin(2 pi f t + phase)`` [deg/s] about a unit vector of the unit frame."""
+
+    amplitude_deg_s: float
+    frequency_hz: float
+    phase_rad: float
+    axis: Array
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What turns, how, and where.
+
+    Attributes
+    ----------
+    profile : Profile
+        As commanded.
+    table_axis : (3,) array
+        Unit frame.
+    unit_from_enu : (3, 3) array
+        u0, true.
+    latitude_deg : float
+        True.
+    gain : float
+        True rate over commanded rate; negative: the other sense.
+    start_s : float
+        The profile begins this long after the record [s].
+    ripples, vibrations : tuples
+    tilts_rad : tuple of (3,) arrays
+        The unit sits turned on the table by each of these in turn: ``w -> w - tilt x w``.
+    """
+
+    profile: Profile
+    table_axis: Array
+    unit_from_enu: Array
+    latitude_deg: float
+    gain: float = 1.0
+    start_s: float = 0.0
+    ripples: tuple[Ripple, ...] = ()
+    tilts_rad: tuple[Array, ...] = ()
+    vibrations: tuple[Vibration, ...] = ()
+
+    @classmethod
+    def nominal(cls, facts: RunFacts) -> Motion:
+        """As the metadata state it."""
+        return cls(facts.profile, facts.table_axis, facts.unit_from_enu, facts.latitude_deg)
+
+    def rate_factor(self, commanded_rad: Array) -> Array | float:
+        """True rate over commanded rate at commanded angles [rad]."""
+        factor: Array | float = 1.0
+        for ripple in self.ripples:
+            factor = factor + ripple.amplitude * np.cos(ripple.harmonic * commanded_rad + ripple.phase_rad)
+        return self.gain * factor
+
+    def angle_at(self, time_s: Array) -> Array:
+        """True table angle alpha [rad]: the exact integral of `rate_factor` over the commanded angle."""
+        commanded = self.profile.angle_at(time_s - self.start_s)
+        angle = commanded
+        for ripple in self.ripples:
+            n, phase = ripple.harmonic, ripple.phase_rad
+            swing = np.sin(n * commanded + phase) - np.sin(phase)
+            angle = angle + ripple.amplitude / n * swing
+        return self.gain * angle
+
+    def unit_rate(self, time_s: Array, alpha_rad: Array) -> Array:
+        """The unit's rate w [deg/s], (3, N), in the unit frame, right-handed; `alpha_rad` from `angle_at`."""
+        earth = EarthPart.of(self.table_axis, self.unit_from_enu, self.latitude_deg, _ONES)
+        shifted = time_s - self.start_s
+        rate = table_rates(self.profile, self.table_axis, _ONES, shifted)
+        if self.ripples or self.gain != 1.0:
+            rate *= self.rate_factor(self.profile.angle_at(shifted) if self.ripples else alpha_rad)
+        rate += earth.at(alpha_rad)
+        for tilt in self.tilts_rad:
+            rate = rate - np.cross(tilt, rate, axisb=0, axisc=0)
+        for v in self.vibrations:
+            turn = 2.0 * np.pi * v.frequency_hz * time_s + v.phase_rad
+            rate = rate + np.outer(v.axis, v.amplitude_deg_s * np.sin(turn))
+        return rate
+
+    def seen(self, direction_enu: Array, alpha_rad: Array) -> Array:
+        """A direction fixed in the room (east, north, up) as the unit sees it, (3, N)."""
+        constant, cosine, sine = turn_about_axis(self.table_axis, self.unit_from_enu @ direction_enu)
+        return constant[:, None] + np.outer(cosine, np.cos(alpha_rad)) + np.outer(sine, np.sin(alpha_rad))

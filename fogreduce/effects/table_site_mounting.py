@@ -1,0 +1,172 @@
+"""Effects of the table, the site and the mounting: they change the true motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.effects.at import At
+from fogreduce.effects.model import PHASE, Effect, Parameter, Parameters, Stage
+from fogreduce.effects.motion import Motion, Ripple, Vibration
+from fogreduce.physics.frames import rotation
+
+Array = NDArray[np.float64]
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def table_rate_error(motion: Motion, p: Parameters, at: At) -> Motion:
+    """True rate = commanded (1 + e)."""
+    return replace(motion, gain=motion.gain * (1.0 + p["ppm"] * 1e-6))
+
+
+def table_rate_ripple(motion: Motion, p: Parameters, at: At) -> Motion:
+    """True rate = commanded (1 + A cos(n alpha + phi)), alpha the commanded angle."""
+    if p["ppm"] == 0.0:
+        return motion
+    ripple = Ripple(p["ppm"] * 1e-6, p["harmonic"], at.phase_rad(p["phase_rad"]))
+    return replace(motion, ripples=(*motion.ripples, ripple))
+
+
+def heading_error(motion: Motion, p: Parameters, at: At) -> Motion:
+    """True azimuth = stated + value, clockwise from above: before u0 the room turns the other way."""
+    turned = rotation(_UP, np.radians(p["deg"]))
+    return replace(motion, unit_from_enu=motion.unit_from_enu @ turned)
+
+
+def latitude_error(motion: Motion, p: Parameters, at: At) -> Motion:
+    """True latitude = stated + value."""
+    return replace(motion, latitude_deg=motion.latitude_deg + p["deg"])
+
+
+def rotation_sense(motion: Motion, p: Parameters, at: At) -> Motion:
+    """True rate = -commanded."""
+    return replace(motion, gain=-motion.gain)
+
+
+def start_offset(motion: Motion, p: Parameters, at: At) -> Motion:
+    """The table's profile begins this much later than the capture."""
+    return replace(motion, start_s=motion.start_s + p["s"])
+
+
+def mount_rotation(motion: Motion, p: Parameters, at: At) -> Motion:
+    """W -> w - theta x w."""
+    if not any(p["mrad"]):
+        return motion
+    return replace(motion, tilts_rad=(*motion.tilts_rad, np.array(p["mrad"]) * 1e-3))
+
+
+def base_motion(motion: Motion, p: Parameters, at: At) -> Motion:
+    """W += A sin(2 pi f t + phi) u."""
+    if p["deg_h"] == 0.0:
+        return motion
+    axis = np.array(p["axis"])
+    axis = axis / np.linalg.norm(axis)
+    vibration = Vibration(p["deg_h"] / 3600.0, p["frequency_hz"], at.phase_rad(p["phase_rad"]), axis)
+    return replace(motion, vibrations=(*motion.vibrations, vibration))
+
+
+EFFECTS = (
+    Effect(
+        "table_rate_error",
+        Stage.MOTION,
+        "rate(t) = commanded (1 + e)",
+        table_rate_error,
+        "data sheets of precision rate tables: rate accuracy 0.001 to 0.01 % over a turn",
+        (Parameter("ppm", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(5, 100)),),
+        {"ppm": 100.0},
+        channels="table",
+    ),
+    Effect(
+        "table_rate_ripple",
+        Stage.MOTION,
+        "rate(t) = commanded (1 + A cos(n alpha + phi)), alpha the commanded angle",
+        table_rate_ripple,
+        "data sheets of precision rate tables: rate stability 0.01 to 0.1 % over 1 to 10 degrees; "
+        "harmonics of the encoder's eccentricity (1, 2) and of the motor's poles",
+        (
+            Parameter("ppm", "ppm", "A", off=0.0, low=-1e6, high=1e6, realistic=(20, 1000)),
+            Parameter("harmonic", "", "n", low=1, high=100_000, realistic=(1, 36), kind="integer"),
+            PHASE,
+        ),
+        {"ppm": 200.0, "harmonic": 2, "phase_rad": 0.5},
+        channels="table",
+    ),
+    Effect(
+        "heading_error",
+        Stage.MOTION,
+        "azimuth = stated + value, clockwise seen from above",
+        heading_error,
+        "transfer of north to a table by theodolite: 0.01 to 0.5 degrees",
+        (Parameter("deg", "deg", "value", off=0.0, low=-360.0, high=360.0, realistic=(0.1, 2.0)),),
+        {"deg": 1.0},
+        channels="table",
+    ),
+    Effect(
+        "latitude_error",
+        Stage.MOTION,
+        "latitude = stated + value",
+        latitude_error,
+        "a laboratory's coordinates: arc minutes when taken from a map, degrees when mistyped",
+        (Parameter("deg", "deg", "value", off=0.0, low=-180.0, high=180.0, realistic=(0.02, 1.0)),),
+        {"deg": 0.5},
+        channels="table",
+    ),
+    Effect(
+        "rotation_sense",
+        Stage.MOTION,
+        "rate(t) = -commanded",
+        rotation_sense,
+        "a mistake of wiring or of bookkeeping: there or not",
+        (),
+        {},
+        channels="table",
+    ),
+    Effect(
+        "start_offset",
+        Stage.MOTION,
+        "the profile begins `s` later than the capture",
+        start_offset,
+        "two computers started by hand or by a trigger over a network: 10 ms to some seconds",
+        (Parameter("s", "s", "delay", off=0.0, low=-1e6, high=1e6, realistic=(0.01, 5.0)),),
+        {"s": 2.0},
+        channels="table",
+    ),
+    Effect(
+        "mount_rotation",
+        Stage.MOTION,
+        "w -> w - theta x w",
+        mount_rotation,
+        "a unit bolted to a fixture without dowels: 0.1 to 3 mrad",
+        (
+            Parameter(
+                "mrad",
+                "mrad",
+                "theta, about x, y, z of the unit",
+                off=(0.0, 0.0, 0.0),
+                low=-1e3,
+                high=1e3,
+                realistic=(0.1, 3.0),
+                kind="vector",
+            ),
+        ),
+        {"mrad": (0.0, 1.0, 0.0)},
+        channels="table",
+    ),
+    Effect(
+        "base_motion",
+        Stage.MOTION,
+        "w += A sin(2 pi f t + phi) u, f the true frequency",
+        base_motion,
+        "angular vibration of a laboratory's floor, 0.1 to 30 Hz; machinery at 25 to 30 Hz",
+        (
+            Parameter("deg_h", "deg/h", "A", off=0.0, realistic=(0.5, 50.0)),
+            Parameter("frequency_hz", "Hz", "f", low=0.0, high=1e6, realistic=(0.1, 60.0)),
+            Parameter("axis", "", "u, a direction in the unit frame", kind="vector"),
+            PHASE,
+        ),
+        {"deg_h": 20.0, "frequency_hz": 0.02, "axis": (1.0, 0.0, 0.0), "phase_rad": 0.0},
+        channels="table",
+    ),
+)

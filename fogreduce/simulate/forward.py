@@ -1,0 +1,230 @@
+"""The capture contract's chain forward: from metadata, calibration and effects to what the capture holds.
+
+Blocks of records with a carried state, so that memory stays flat in the length of the run. The physics are
+those of the reduction, from the same files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import MICROSECONDS_PER_SECOND
+from fogreduce.datasets.logs import TemperatureLog
+from fogreduce.effects.at import At, Place
+from fogreduce.effects.model import Stage
+from fogreduce.effects.motion import Motion
+from fogreduce.effects.noise import NoiseLevels
+from fogreduce.effects.selection import Action, gyro_name
+from fogreduce.errors import BadInput
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.alignment import axis_rates_from_unit_rate, gyro_rates_from_axis_rates
+from fogreduce.physics.noise import BLOCK
+from fogreduce.physics.quantization import counts_from_volts
+from fogreduce.physics.scale_factor import volts_from_rate
+from fogreduce.simulate.nominal_noise import GyroNoise, NoiseCoefficients
+from fogreduce.simulate.streams import stream
+
+Array = NDArray[np.float64]
+Counts = NDArray[np.int32]
+
+_READING_STAGES = (Stage.BIAS, Stage.SCALE, Stage.CROSSTALK, Stage.DEAD_ZONE)
+_VOLT_STAGES = (Stage.FILTER, Stage.CONVERTER, Stage.CLIPPING)
+_COUNT_STAGES = (
+    Stage.BITS, Stage.REPEATS, Stage.SPIKES, Stage.DROPOUTS, Stage.COLUMNS, Stage.POLARITY,
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SimulatedBlock:
+    """Consecutive records: stamps [us] (N,) int64, pulse numbers (N,) int64, counts (n, N) int32."""
+
+    time_us: NDArray[np.int64]
+    pulse: NDArray[np.int64]
+    counts: Counts
+
+
+class ForwardRun:
+    """One run, forward. A capture is drawn from it once, by `blocks`; `readings` may be asked at any times.
+
+    Parameters
+    ----------
+    facts : RunFacts
+        What run.yaml and calibration record state.
+    noise : NoiseCoefficients or None
+        The unit's stated noise; None for none of any kind (what remains is rounding).
+    actions : sequence of Action
+        Effects; those of other runs are passed over.
+    temperature : TemperatureLog or None
+    seed : int
+        Of the noise and of all that is random.
+    """
+
+    def __init__(
+        self,
+        facts: RunFacts,
+        noise: NoiseCoefficients | None = None,
+        actions: Sequence[Action] = (),
+        temperature: TemperatureLog | None = None,
+        seed: int = 0,
+    ) -> None:
+        self.facts = facts
+        self.temperature = temperature
+        self._by_stage: dict[Stage, list[list[tuple[Action, Place, Any]]]] = {}
+        for action in actions:
+            if facts.run_id in action.runs:
+                self._take(action, seed)
+        self.motion: Motion = self._common(Stage.MOTION, Motion.nominal(facts))
+        self.axes = np.array(self._per_gyro(Stage.AXES, list(facts.axes)))
+        ages = self._per_gyro(Stage.LATENCY, [0.0] * facts.n_gyros)
+        self._ages = {age: [i for i, other in enumerate(ages) if other == age] for age in set(ages)}
+        self._noise = self._prepare_noise(noise, seed) if noise is not None else None
+
+    # ------------------------------------------------------------------------------- without noise
+
+    def readings(self, time_s: Array) -> Array:
+        """What the gyros answer at true times [s], noise apart: M (n, N) [deg/s], latencies in it."""
+        answers = np.empty((self.facts.n_gyros, len(time_s)))
+        for age, gyros in self._ages.items():
+            seen_at = np.maximum(time_s - age, 0.0) if age else time_s
+            answers[gyros] = self._readings(seen_at)[gyros]
+        return answers
+
+    def _readings(self, time_s: Array) -> Array:
+        alpha = self.motion.angle_at(time_s)
+        unit_rate = self.motion.unit_rate(time_s, alpha)
+        axis_rates = axis_rates_from_unit_rate(unit_rate, self.facts.frame_signs)
+        readings = gyro_rates_from_axis_rates(axis_rates, self.axes)
+        for stage in _READING_STAGES:
+            readings = self._act(stage, readings, time_s, alpha)
+        return readings
+
+    def volts(self, readings: Array) -> Array:
+        """Raw volts of readings [deg/s], before noise and electronics: (n, N) [V]."""
+        facts = self.facts
+        return volts_from_rate(readings, facts.scale_factor, facts.bias, facts.polarity)
+
+    # ----------------------------------------------------------------------------------- a capture
+
+    def blocks(self) -> Iterator[SimulatedBlock]:
+        """The whole capture in blocks. Noise and the electronics' memory run on from one to the next."""
+        for start in range(0, self.facts.n_expected, BLOCK):
+            pulse = np.arange(start, min(start + BLOCK, self.facts.n_expected))
+            yield self._block(pulse)
+
+    def _block(self, pulse: NDArray[np.int64]) -> SimulatedBlock:
+        facts = self.facts
+        time_s = pulse / facts.sample_rate_hz
+        volts = self.volts(self.readings(time_s))
+        added = self._added(time_s)
+        if added is not None:
+            volts += (facts.polarity * facts.scale_factor)[:, None] * added
+        for stage in _VOLT_STAGES:
+            volts = self._act(stage, volts, time_s)
+        counts = counts_from_volts(volts, facts.volts_per_count)
+        for stage in _COUNT_STAGES:
+            counts = self._act(stage, counts, time_s)
+        shown = self._common(Stage.STAMPS, time_s)
+        time_us = np.rint(shown * MICROSECONDS_PER_SECOND).astype(np.int64)
+        return SimulatedBlock(time_us, pulse, counts)
+
+    def _added(self, time_s: Array) -> Array | None:
+        """Noise and interference [deg/s], (n, N); None where there is neither."""
+        interfered = Stage.INTERFERENCE in self._by_stage
+        if self._noise is not None:
+            added = self._noise.next_block()[:, : len(time_s)]
+        elif interfered:
+            added = np.zeros((self.facts.n_gyros, len(time_s)))
+        else:
+            return None
+        if interfered:
+            for age, gyros in self._ages.items():
+                seen_at = np.maximum(time_s - age, 0.0) if age else time_s
+                added[gyros] = self._act(Stage.INTERFERENCE, added, seen_at)[gyros]
+        return added
+
+    # ------------------------------------------------------------------------------------- effects
+
+    def _take(self, action: Action, seed: int) -> None:
+        """File an action under its stage, with a place of its own for each gyro."""
+        facts, effect = self.facts, action.effect
+        if effect.needs_temperature and self.temperature is None:
+            raise BadInput.at(
+                f"run {facts.run_id}", "temperature", found="no log", expected=f"one, for {effect.name}"
+            )
+        words = ("effect", facts.run_id, effect.name, str(action.ordinal))
+        phase = float(stream(seed, *words, "phase").uniform(0.0, 2.0 * np.pi))
+        places = [
+            (
+                action,
+                Place(
+                    facts.run_id,
+                    gyro,
+                    action.gyros,
+                    facts.n_gyros,
+                    stream(seed, *words, gyro_name(gyro)),
+                    phase,
+                ),
+                parameters,
+            )
+            for gyro, parameters in action.acting()
+        ]
+        self._by_stage.setdefault(effect.stage, []).append(places)
+
+    def _act(self, stage: Stage, rows: Any, time_s: Array, alpha: Array | None = None) -> Any:
+        """`rows` (n, N) with the effects of one stage in it."""
+        before = rows
+        for places in self._by_stage.get(stage, ()):
+            # Crosstalk couples what the gyros read before any of it; columns are exchanged one pair after another.
+            columns = before if stage == Stage.CROSSTALK else rows
+            rows = rows.copy()
+            for action, place, parameters in places:
+                at = self._at(place, time_s, columns, alpha)
+                rows[place.gyro] = action.effect.forward(
+                    columns[place.gyro] if stage == Stage.COLUMNS else rows[place.gyro], parameters, at
+                )
+        return rows
+
+    def _per_gyro(self, stage: Stage, values: list[Any]) -> list[Any]:
+        """One value a gyro, with the effects of a stage in it."""
+        for places in self._by_stage.get(stage, ()):
+            for action, place, parameters in places:
+                at = self._at(place, np.zeros(0), np.zeros(0))
+                values[place.gyro] = action.effect.forward(values[place.gyro], parameters, at)
+        return values
+
+    def _common(self, stage: Stage, value: Any) -> Any:
+        """A value common to all gyros, with the effects of a stage in it."""
+        for places in self._by_stage.get(stage, ()):
+            for action, place, parameters in places:
+                value = action.effect.forward(value, parameters, self._at(place, np.zeros(0), np.zeros(0)))
+        return value
+
+    def _at(self, place: Place, time_s: Array, columns: Any, alpha: Array | None = None) -> At:
+        motion = getattr(self, "motion", None) or Motion.nominal(self.facts)
+        axes = getattr(self, "axes", self.facts.axes)
+        return At(
+            place=place,
+            time_s=time_s,
+            step_s=1.0 / self.facts.sample_rate_hz,
+            motion=motion,
+            axis=axes[place.gyro],
+            temperature=self.temperature,
+            columns=columns,
+            alpha_rad=np.zeros(0) if alpha is None else alpha,
+        )
+
+    def _prepare_noise(self, noise: NoiseCoefficients, seed: int) -> GyroNoise:
+        n = self.facts.n_gyros
+        levels = [
+            NoiseLevels(
+                noise.white_deg_sqrt_h[i], noise.flicker_deg_h[i], noise.walk_deg_h_sqrt_h[i], np.eye(n)[i]
+            )
+            for i in range(n)
+        ]
+        levels = self._per_gyro(Stage.NOISE, levels)
+        return GyroNoise(levels, self.facts.sample_rate_hz, self.facts.run_id, seed)
