@@ -33,3 +33,28 @@ class RawBlock:
     pulse: NDArray[np.int64]
     counts: NDArray[np.int32] | None
     volts: Floats | None
+
+
+@dataclass(frozen=True)
+class Block:
+    """Consecutive records with their flags: what ingest hands on.
+
+    Attributes
+    ----------
+    start, time_us, pulse, counts :
+        As in `RawBlock`.
+    flag : (N,) uint8
+        `RecordFlag` of each record.
+    gyro_flag : (n, N) uint8
+        `GyroFlag` of each sample.
+    volts : (n, N) float64
+        Raw volts [V]; NaN where a gyro did not answer. A spurious value stands as it is, flagged.
+    """
+
+    start: int
+    time_us: NDArray[np.int64]
+    pulse: NDArray[np.int64]
+    flag: NDArray[np.uint8]
+    gyro_flag: NDArray[np.uint8]
+    counts: NDArray[np.int32] | None
+    volts: Floats

@@ -71,6 +71,11 @@ class ReductionConfig(ConfigModel):
     unstable: UnstableConfig = Field(
         default=UnstableConfig(), description="the search for unstable intervals"
     )
+    edge_guard_s: float = Field(
+        default=0.5,
+        ge=0,
+        description="left out of fits on both sides of an edge between two commanded rates [s]",
+    )
     alpha_source: Literal["command", "encoder"] = Field(
         default="command",
         description="where the table's angle comes from: the commanded profile or the encoder's log",

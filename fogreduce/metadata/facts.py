@@ -6,6 +6,7 @@ for validation again.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -104,7 +105,7 @@ class RunFacts:
     @property
     def n_expected(self) -> int:
         """Records that a whole capture holds: ``round(duration x rate)``."""
-        return round(self.profile.end_s * self.sample_rate_hz)
+        return round(math.fsum(self.profile.duration_s) * self.sample_rate_hz)
 
     @cached_property
     def earth(self) -> EarthPart:

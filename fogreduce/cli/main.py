@@ -1,0 +1,72 @@
+"""The command ``fogreduce``: one subcommand a module, imported only when it is called."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from fogreduce import __version__
+from fogreduce.errors import FogreduceError
+
+#: Subcommand -> (module of `fogreduce.cli`, what it does).
+COMMANDS = {
+    "check": ("check", "validate a run, a campaign or a calibration record"),
+    "init": ("init", "start a run.yaml from a capture"),
+    "reduce": ("reduce", "reduce one run, all stages in one process"),
+    "simulate": ("simulate", "predict the captures of a campaign"),
+    "manifest": ("manifest", "write the manifest of a run (a node of the workflow)"),
+    "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
+    "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),
+    "curve": ("curve", "fit the mean curve of a reduced run with its rate free, by Levenberg-Marquardt"),
+    "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status: 0 done, 2 bad input or usage, 1 anything else."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(prog="fogreduce", description="Reduce rate-table runs of gyro units.")
+    parser.add_argument("--version", action="version", version=f"fogreduce {__version__}")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    name = next((word for word in arguments if not word.startswith("-")), None)
+    module = None
+    for command, (file, text) in COMMANDS.items():
+        subparser = subparsers.add_parser(command, help=text, description=text[0].upper() + text[1:] + ".")
+        if command == name:
+            module = importlib.import_module(f"fogreduce.cli.{file}")
+            module.add_arguments(subparser)
+    parsed = parser.parse_args(arguments)
+    assert module is not None
+    try:
+        return int(module.run(parsed))
+    except FogreduceError as error:
+        print(error, file=sys.stderr)
+        return error.exit_status
+    except OSError as error:
+        return _system_error(error)
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 1
+
+
+def _system_error(error: OSError) -> int:
+    """A file that cannot be read or written: bad input where the user chose it, else a fault of the machine."""
+    place = f"{error.filename}: " if error.filename else ""
+    if isinstance(error, BrokenPipeError):
+        # Whoever read our output has gone; nothing is left to say.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    print(f"{place}{error.strerror or error}", file=sys.stderr)
+    usage = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR, errno.EROFS, errno.ENOSPC)
+    return 2 if error.errno in usage else 1
+
+
+def console() -> None:
+    """Entry point of the installed command."""
+    # One thread of linear algebra: the matrices are small, and starting threads costs 80 ms.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    sys.exit(main())

@@ -1,0 +1,74 @@
+"""``fogreduce reduce RUN --calibrations DIR --out DIR``: all stages of one run in one process."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from fogreduce.archive.manifest import ManifestJob
+from fogreduce.errors import BadInput
+
+HELP = "reduce one run, all stages in one process"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("run", type=Path, metavar="RUN", help="the run's folder, with its run.yaml")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
+    add_input_arguments(parser)
+
+
+def add_input_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options that say what a run is reduced with."""
+    parser.add_argument(
+        "--calibrations", type=Path, required=True, metavar="DIR", help="folder of the calibration records"
+    )
+    parser.add_argument(
+        "--parameters", default="{}", metavar="JSON", help="parameters of the reduction, as JSON"
+    )
+    parser.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="configuration of the workflow; its part `reduction` is used",
+    )
+
+
+def manifest_job(arguments: argparse.Namespace) -> ManifestJob:
+    """Check the run's metadata and begin its manifest."""
+    if not arguments.run.is_dir():
+        found = "a file" if arguments.run.exists() else "no such folder"
+        raise BadInput.at(arguments.run, "", found=found, expected="a run's folder")
+    return ManifestJob(arguments.run, arguments.calibrations, _parameters(arguments))
+
+
+def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
+    parameters: dict[str, Any] = {}
+    if arguments.config is not None:
+        from fogreduce.metadata.config import WorkflowConfig
+
+        parameters = WorkflowConfig.from_yaml(arguments.config).reduction.model_dump(mode="json")
+    try:
+        given = json.loads(arguments.parameters)
+    except ValueError as error:
+        raise BadInput.at("--parameters", "", found=str(error), expected="a JSON object") from None
+    if not isinstance(given, dict):
+        raise BadInput.at("--parameters", "", found=arguments.parameters, expected="a JSON object")
+    return parameters | given
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Reduce; the tables are byte for byte those of the workflow."""
+    job = manifest_job(arguments)
+    from fogreduce.cli.progress import progress
+    from fogreduce.stages.files import write_json
+    from fogreduce.stages.run import reduce_run
+    from fogreduce.stages.setup import MANIFEST, Setup
+
+    setup = Setup(job.manifest(), arguments.out)
+    with progress(setup.facts.n_expected, "records") as told:
+        reduce_run(setup, arguments.run, told)
+    write_json(arguments.out / MANIFEST, setup.manifest)
+    return 0

@@ -1,0 +1,40 @@
+"""``fogreduce stage NAME --out DIR [--run RUN]``: one stage of the reduction, as a node of the workflow."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "run one stage of the reduction (a node of the workflow)"
+
+#: The stages, in the order of the data flow.
+STAGES = ("ingest", "calibrate", "project", "remove_earth", "fit", "drift")
+_READ_RUN = ("ingest", "remove_earth")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("stage", choices=STAGES, help="the stage")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="the run's results folder, with its manifest"
+    )
+    parser.add_argument(
+        "--run",
+        type=Path,
+        metavar="RUN",
+        help="the run's folder: ingest reads it, and remove_earth its encoder log",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the stage."""
+    from fogreduce.errors import BadInput
+    from fogreduce.stages import run as stages
+    from fogreduce.stages.setup import Setup
+
+    setup = Setup.read(arguments.out)
+    if arguments.stage == "ingest" and arguments.run is None:
+        raise BadInput.at("--run", "", found="nothing", expected="the run's folder")
+    given = (arguments.run,) if arguments.stage in _READ_RUN else ()
+    stages.STAGES[arguments.stage](setup, *given)
+    return 0

@@ -1,0 +1,184 @@
+"""Writes datasets as netCDF-4-conforming HDF5, block by block, without importing xarray.
+
+The file is laid out by h5py: dimension scales, coordinates, CF attributes. Where variables are contiguous
+(the default) their bytes then go straight to their places in the file, from a thread beside the
+arithmetic; where they are chunked or compressed, h5py writes them.
+"""
+
+from __future__ import annotations
+
+import os
+import queue
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.datasets.atomic import TemporaryFile
+from fogreduce.datasets.templates import Attributes, Variable
+
+
+@dataclass(frozen=True)
+class Storage:
+    """Layout: records in a chunk (0 = contiguous) and gzip level (None = not compressed)."""
+
+    chunk_records: int = 0
+    gzip_level: int | None = None
+
+
+class DatasetWriter:
+    """One dataset on disk; it appears under its name when the `with` block ends well.
+
+    Parameters
+    ----------
+    path : Path
+    sizes : mapping
+        Length of each dimension.
+    coordinates : mapping
+        Labels of dimensions that have them (``gyro``, ``axis``).
+    variables : sequence of Variable
+    attributes : mapping
+        Global attributes.
+    storage : Storage
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        sizes: Mapping[str, int],
+        coordinates: Mapping[str, Sequence[str]],
+        variables: Sequence[Variable],
+        attributes: Attributes,
+        storage: Storage,
+    ) -> None:
+        self._target = TemporaryFile(path)
+        self._sizes = sizes
+        self._coordinates = coordinates
+        self._variables = {variable.name: variable for variable in variables}
+        self._attributes = attributes
+        self._storage = storage
+        self._offsets: dict[str, int] = {}
+
+    def __enter__(self) -> DatasetWriter:
+        try:
+            self._file = h5py.File(self._target.path, "w", libver=("earliest", "v110"), track_order=True)
+            self._lay_out()
+            if not self._storage.chunk_records:
+                self._offsets = {name: self._file[name].id.get_offset() for name in self._variables}
+                self._file.close()
+                self._raw = _PlacedWriter(self._target.path)
+        except BaseException:
+            self._target.finish(keep=False)
+            raise
+        return self
+
+    def _lay_out(self) -> None:
+        file = self._file
+        for name, value in self._attributes.items():
+            file.attrs[name] = value
+        for variable in self._variables.values():
+            shape = tuple(self._sizes[dim] for dim in variable.dims)
+            dataset = self._create(variable, shape)
+            for name, value in variable.attributes.items():
+                dataset.attrs[name] = value
+        for dim, labels in self._coordinates.items():
+            file.create_dataset(dim, data=list(labels), dtype=h5py.string_dtype())
+        for number, dim in enumerate(self._sizes):
+            file[dim].make_scale(dim)
+            file[dim].attrs["_Netcdf4Dimid"] = np.int32(number)
+        for variable in self._variables.values():
+            for position, dim in enumerate(variable.dims):
+                if variable.name != dim:
+                    file[variable.name].dims[position].attach_scale(file[dim])
+
+    def _create(self, variable: Variable, shape: tuple[int, ...]) -> h5py.Dataset:
+        options: dict[str, Any] = {"shape": shape, "dtype": variable.dtype, "track_times": False}
+        fill = variable.attributes.get("_FillValue")
+        if self._storage.chunk_records:
+            options["chunks"] = (*shape[:-1], min(self._storage.chunk_records, shape[-1]))
+            if self._storage.gzip_level is not None:
+                options |= {"compression": "gzip", "compression_opts": self._storage.gzip_level}
+                options |= {"shuffle": True}
+            return self._file.create_dataset(variable.name, fillvalue=fill, **options)
+        # Space allocated at once and not filled: every byte of it is written below.
+        properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        properties.set_layout(h5py.h5d.CONTIGUOUS)
+        properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+        properties.set_obj_track_times(False)
+        properties.set_attr_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+        if fill is not None:
+            properties.set_fill_value(np.asarray(fill))
+        kind = h5py.h5t.py_create(np.dtype(variable.dtype))
+        space = h5py.h5s.create_simple(shape)
+        identifier = h5py.h5d.create(self._file.id, variable.name.encode(), kind, space, dcpl=properties)
+        return h5py.Dataset(identifier)
+
+    def write(self, name: str, start: int, values: NDArray[Any]) -> None:
+        """Write a variable from record `start` on; `values` (..., N) must not change afterwards."""
+        variable = self._variables[name]
+        values = np.ascontiguousarray(values, dtype=variable.dtype)
+        if self._storage.chunk_records:
+            self._file[name][..., start : start + values.shape[-1]] = values
+            return
+        size = values.dtype.itemsize
+        length = self._sizes[variable.dims[-1]]
+        for row, line in enumerate(np.atleast_2d(values)):
+            self._raw.put(self._offsets[name] + size * (row * length + start), line)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if self._storage.chunk_records:
+                self._file.close()
+            else:
+                self._raw.close()
+        except BaseException:
+            self._target.finish(keep=False)
+            raise
+        self._target.finish(keep=kind is None)
+
+
+class _PlacedWriter:
+    """Writes arrays at given offsets of a file, in a thread (the system call lets the arithmetic go on)."""
+
+    _MOST_WAITING = 64
+
+    def __init__(self, path: Path) -> None:
+        self._descriptor = os.open(path, os.O_WRONLY)
+        self._jobs: queue.Queue[tuple[int, NDArray[Any]] | None] = queue.Queue(self._MOST_WAITING)
+        self._error: OSError | None = None
+        self._thread = threading.Thread(target=self._work, daemon=True)
+        self._thread.start()
+
+    def put(self, offset: int, values: NDArray[Any]) -> None:
+        self._jobs.put((offset, values))
+        if self._error:
+            raise self._error
+
+    def _work(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            if self._error:
+                continue
+            offset, values = job
+            view = memoryview(values).cast("B")
+            try:
+                while len(view):
+                    written = os.pwrite(self._descriptor, view, offset)
+                    view, offset = view[written:], offset + written
+            except OSError as error:
+                self._error = error
+
+    def close(self) -> None:
+        self._jobs.put(None)
+        self._thread.join()
+        os.close(self._descriptor)
+        if self._error:
+            raise self._error

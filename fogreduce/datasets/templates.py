@@ -1,0 +1,106 @@
+"""What stands in the dataset of each stage: dimensions, variables, units and CF attributes.
+
+Every dataset carries ``time`` in whole microseconds since the run's start, exactly as stamped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fogreduce.constants import MISSING_COUNT
+from fogreduce.datasets.flags import GyroFlag, RecordFlag, cf_attributes
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.units import instant_of
+
+Attributes = Mapping[str, object]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of a dataset: its dimensions by name, its type on disk and its attributes."""
+
+    name: str
+    dims: tuple[str, ...]
+    dtype: str
+    attributes: Attributes = field(default_factory=dict)
+
+
+def time_variable(facts: RunFacts) -> Variable:
+    """The time stamps, as int64 microseconds that CF readers turn into exact datetimes."""
+    start = instant_of(facts.start_us).replace(tzinfo=None).isoformat(sep=" ", timespec="microseconds")
+    return Variable(
+        "time",
+        ("time",),
+        "<i8",
+        {
+            "standard_name": "time",
+            "long_name": "time stamp of the record",
+            "units": f"microseconds since {start}",
+            "calendar": "proleptic_gregorian",
+        },
+    )
+
+
+RECORD_FLAG = Variable(
+    "flag",
+    ("time",),
+    "|u1",
+    {"long_name": "why a record is out of the ordinary", **cf_attributes(RecordFlag)},
+)
+GYRO_FLAG = Variable(
+    "gyro_flag",
+    ("gyro", "time"),
+    "|u1",
+    {"long_name": "why a sample is out of the ordinary", **cf_attributes(GyroFlag)},
+)
+
+
+def ingest_variables(facts: RunFacts, *, has_counts: bool) -> list[Variable]:
+    """Raw volts as they stand in the capture (packed counts where it holds counts) and their flags."""
+    described = {"long_name": "raw volts of each gyro", "units": "V"}
+    if has_counts:
+        packing = {
+            "scale_factor": np.float64(facts.volts_per_count),
+            "_FillValue": np.int32(MISSING_COUNT),
+        }
+        volts = Variable("volts", ("gyro", "time"), "<i4", {**described, **packing})
+    else:
+        volts = Variable("volts", ("gyro", "time"), "<f8", described)
+    pulse = Variable("pulse", ("time",), "<i8", {"long_name": "number of the stimulus pulse", "units": "1"})
+    return [time_variable(facts), pulse, volts, RECORD_FLAG, GYRO_FLAG]
+
+
+def calibrate_variables(facts: RunFacts) -> list[Variable]:
+    """Rates about the gyros' input axes."""
+    rate = Variable(
+        "gyro_rate",
+        ("gyro", "time"),
+        "<f8",
+        {"long_name": "rate about each gyro's input axis (eq. 1)", "units": "degree s-1"},
+    )
+    return [time_variable(facts), rate, RECORD_FLAG, GYRO_FLAG]
+
+
+def project_variables(facts: RunFacts) -> list[Variable]:
+    """Rates about x, y, z, Earth's part in them."""
+    return [
+        time_variable(facts),
+        _axis_rate("rates about x, y, z (eq. 2), Earth's rate in them"),
+        RECORD_FLAG,
+    ]
+
+
+def remove_earth_variables(facts: RunFacts) -> list[Variable]:
+    """Rates about x, y, z with Earth's part taken away."""
+    return [
+        time_variable(facts),
+        _axis_rate("rates about x, y, z, Earth's rate taken away (eq. 6)"),
+        RECORD_FLAG,
+    ]
+
+
+def _axis_rate(long_name: str) -> Variable:
+    return Variable("axis_rate", ("axis", "time"), "<f8", {"long_name": long_name, "units": "degree s-1"})

@@ -1,0 +1,132 @@
+"""Standard errors that allow for coloured residuals: the Allan variance of what a fit leaves, and what it implies.
+
+The residual's bins are described by white noise, flicker and a random walk (IEEE 952) fitted to their Allan
+variance; the covariance of the least-squares curve under that noise follows by the sandwich rule. It
+includes noise only, not the stated uncertainties of calibration and site.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Allan variance of flicker of bias instability B is (2 ln 2 / pi) B^2, whatever the averaging time.
+FLICKER_FLAT = 2 * math.log(2) / math.pi
+_LOWEST_HZ = 1e-5  # the contract's flicker reaches down to here
+_LONGEST_PART = 8  # averaging times go up to this part of the record
+_ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class ColouredNoise:
+    """Variance coefficients, in the data's unit: white [unit^2 s], flicker B^2 [unit^2], walk [unit^2/s]."""
+
+    white: float
+    flicker: float
+    walk: float
+
+    def allan_variance(self, tau_s: Array) -> Array:
+        """Allan variance at averaging times [s]."""
+        return self.white / tau_s + FLICKER_FLAT * self.flicker + self.walk * tau_s / 3
+
+
+def allan_variance(values: Array, period_s: float) -> tuple[Array, Array, Array]:
+    """Overlapping Allan variance at octaves, gaps (NaN) left out.
+
+    Parameters
+    ----------
+    values : (m,) array
+        Means over consecutive periods; NaN = none.
+    period_s : float
+
+    Returns
+    -------
+    tau_s, variance, freedom : (j,) arrays
+        Averaging times [s], Allan variance, and a conservative number of degrees of freedom.
+    """
+    there = ~np.isnan(values)
+    sums = np.concatenate(([0.0], np.cumsum(np.where(there, values, 0.0))))
+    counts = np.concatenate(([0], np.cumsum(there)))
+    found = []
+    factor = 1
+    while factor <= max(1, values.size // _LONGEST_PART) and 2 * factor < values.size:
+        means = (sums[factor:] - sums[:-factor]) / factor
+        whole = (counts[factor:] - counts[:-factor]) == factor
+        steps = means[factor:] - means[:-factor]
+        steps = steps[whole[factor:] & whole[:-factor]]
+        if steps.size:
+            found.append((factor * period_s, 0.5 * float(np.mean(steps**2)), max(1.0, steps.size / factor)))
+        factor *= 2
+    tau, variance, freedom = np.array(found).reshape(-1, 3).T
+    return tau, variance, freedom
+
+
+def fit_noise(tau_s: Array, variance: Array, freedom: Array) -> ColouredNoise:
+    """White, flicker and walk that describe an Allan variance: weighted least squares, none negative."""
+    columns = np.array([1 / tau_s, np.full_like(tau_s, FLICKER_FLAT), tau_s / 3]).T
+    model = np.maximum(variance, np.finfo(float).tiny)
+    best = np.zeros(3)
+    for _ in range(_ROUNDS):
+        weight = np.sqrt(freedom) / model
+        best = _not_negative(columns * weight[:, None], variance * weight)
+        model = np.maximum(columns @ best, 1e-3 * np.maximum(variance, np.finfo(float).tiny))
+    return ColouredNoise(*(float(value) for value in best))
+
+
+def _not_negative(columns: Array, target: Array) -> Array:
+    """Least squares with no negative coefficient, by trying every set of the three columns."""
+    best, least = np.zeros(columns.shape[1]), float(target @ target)
+    for size in range(1, columns.shape[1] + 1):
+        for chosen in map(list, itertools.combinations(range(columns.shape[1]), size)):
+            scale = np.sqrt((columns[:, chosen] ** 2).sum(axis=0))
+            part = np.linalg.lstsq(columns[:, chosen] / scale, target, rcond=None)[0] / scale
+            left = float(((columns[:, chosen] @ part - target) ** 2).sum())
+            if (part >= 0).all() and left < least * (1 - 1e-9):
+                best, least = np.zeros(columns.shape[1]), left
+                best[chosen] = part
+    return best
+
+
+def coefficient_covariance(columns: Array, noise: ColouredNoise, period_s: float) -> Array:
+    """Covariance of least-squares coefficients under coloured noise.
+
+    Parameters
+    ----------
+    columns : (k, m) array
+        The basis at consecutive bins.
+    noise : ColouredNoise
+    period_s : float
+        From bin to bin.
+
+    Returns
+    -------
+    (k, k) array
+        ``(Z Z')^-1 Z Sigma Z' (Z Z')^-1``.
+    """
+    middle = noise.white / period_s * (columns @ columns.T)
+    if noise.flicker > 0:
+        middle += noise.flicker * _flicker_form(columns, period_s)
+    if noise.walk > 0:
+        later = np.cumsum(columns[:, ::-1], axis=1)
+        middle += noise.walk * period_s * (later @ later.T)
+    inverse = np.linalg.inv(columns @ columns.T)
+    return inverse @ middle @ inverse
+
+
+def _flicker_form(columns: Array, period_s: float) -> Array:
+    """``Z C Z'`` for flicker of B = 1, as a sum of first-order processes two to the octave."""
+    m = columns.shape[1]
+    lag = np.arange(m) * period_s
+    step = math.log(2) / 2
+    corners = np.exp(np.arange(math.log(_LOWEST_HZ), math.log(0.5 / period_s), step))
+    covariance = sum(step / math.pi * np.exp(-2 * math.pi * corner * lag) for corner in corners)
+    size = 2 * m
+    circle = np.fft.rfft(np.concatenate((covariance, [0.0], covariance[:0:-1])))
+    spread = np.fft.irfft(np.fft.rfft(columns, size) * circle, size)[:, :m]
+    return columns @ spread.T

@@ -1,0 +1,233 @@
+"""The mean curve ``m(t) = a + b sin(c t + d) + e t`` (the paper's eq. 7, 8) by linear least squares.
+
+With c held, the curve is linear in ``theta = (a, p, q, e)``, ``p = b sin d`` and ``q = b cos d``:
+``m = a + p cos(c t) + q sin(c t) + e t``, t from the run's start. The sums are formed in one pass over
+the stream, in a basis that is orthonormal over the segment beforehand, so that normal equations lose no digits.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_GRID = 512  # points on which the basis is made orthonormal
+_HARDEST = 1e9  # condition beyond which sine and straight line cannot be told apart in double precision
+
+
+def curve(time_s: Array, theta: Array) -> Array:
+    """The mean curve at times [s]; `theta` = (a, p, q, e) and c as its fifth element, see module docstring."""
+    a, p, q, e, c = theta
+    phase = c * time_s
+    return a + p * np.cos(phase) + q * np.sin(phase) + e * time_s
+
+
+def curve_integral(time_s: Array, theta: Array) -> Array:
+    """Integral of `curve` from 0 to each time [s]."""
+    return integral_terms(time_s, float(theta[4])).T @ theta[:4]
+
+
+def integral_terms(time_s: Array, rate_rad_s: float) -> Array:
+    """Integrals from 0 to t of 1, cos(c t), sin(c t) and t, (4, N): `curve_integral` is their sum with theta."""
+    time_s = np.atleast_1d(time_s)
+    if rate_rad_s == 0:
+        return np.array([time_s, time_s, np.zeros_like(time_s), time_s**2 / 2])
+    phase = rate_rad_s * time_s
+    # 1 - cos(x) = 2 sin^2(x/2) keeps its digits for a slow turn.
+    return np.array(
+        [time_s, np.sin(phase) / rate_rad_s, 2 * np.sin(phase / 2) ** 2 / rate_rad_s, time_s**2 / 2]
+    )
+
+
+@dataclass(frozen=True)
+class CurveBasis:
+    """Basis of the mean curve over one segment of constant rate.
+
+    Attributes
+    ----------
+    start_s, stop_s : float
+        The segment [s] from the run's start.
+    rate_rad_s : float
+        c, the table's rate [rad/s], signed.
+    whiten : (k, k) array
+        Takes the raw columns (1, u, cos, sin of time from the middle) to the orthonormal ones.
+    to_theta : (4, k) array
+        Takes coefficients in the orthonormal basis to theta = (a, p, q, e).
+    """
+
+    start_s: float
+    stop_s: float
+    rate_rad_s: float
+    whiten: Array
+    to_theta: Array
+
+    @classmethod
+    def of(cls, start_s: float, stop_s: float, rate_deg_s: float) -> CurveBasis:
+        """For the segment from `start_s` to `stop_s` [s] at a table rate [deg/s]."""
+        rate = math.radians(rate_deg_s)
+        middle, half = (start_s + stop_s) / 2, (stop_s - start_s) / 2
+        grid = middle + half * np.linspace(-1, 1, _GRID)
+        has_sine = rate != 0
+        triangle = np.linalg.qr(_raw(grid, middle, half, rate, has_sine).T, mode="r")
+        if has_sine and np.linalg.cond(triangle) > _HARDEST:
+            has_sine = False
+            triangle = np.linalg.qr(_raw(grid, middle, half, rate, has_sine).T, mode="r")
+        whiten = np.linalg.inv(triangle).T * np.sqrt(_GRID)
+        cosine, sine = math.cos(rate * middle), math.sin(rate * middle)
+        # raw -> theta: u = (t - middle) / half; cos(c (t - m)) and sin(c (t - m)) opened by the addition theorem
+        raw_to_theta = np.array(
+            [
+                [1.0, -middle / half, 0.0, 0.0],
+                [0.0, 0.0, cosine, -sine],
+                [0.0, 0.0, sine, cosine],
+                [0.0, 1.0 / half, 0.0, 0.0],
+            ]
+        )[:, : 4 if has_sine else 2]
+        return cls(start_s, stop_s, rate, whiten, raw_to_theta @ whiten.T)
+
+    @property
+    def has_sine(self) -> bool:
+        """Whether the model has a sine: not at a standstill, nor in a turn too short to show one."""
+        return len(self.whiten) == 4
+
+    def columns(self, time_s: Array) -> Array:
+        """Orthonormal columns at times [s] (N,): (k, N)."""
+        middle, half = (self.start_s + self.stop_s) / 2, (self.stop_s - self.start_s) / 2
+        return self.whiten @ _raw(time_s, middle, half, self.rate_rad_s, self.has_sine)
+
+
+def _raw(time_s: Array, middle: float, half: float, rate: float, has_sine: bool) -> Array:
+    """Columns 1, u and, with a sine, cos and sin of c (t - middle): (k, N)."""
+    columns = np.empty((4 if has_sine else 2, len(time_s)))
+    columns[0] = 1.0
+    np.subtract(time_s, middle, out=columns[1])
+    if has_sine:
+        phase = columns[1] * rate
+        np.cos(phase, out=columns[2])
+        np.sin(phase, out=columns[3])
+    columns[1] /= half
+    return columns
+
+
+@dataclass(frozen=True)
+class CurveFit:
+    """A fitted mean curve of one channel over one segment.
+
+    Attributes
+    ----------
+    theta : (4,) array
+        a, p = b sin d, q = b cos d, e; p and q zero where the model has no sine.
+    covariance : (4, 4) array
+        Of theta under white noise of standard deviation `sigma` a sample.
+    sigma : float
+        Standard deviation of one sample about the curve (residual sum of squares over records - parameters).
+    records : int
+        Records used.
+    has_sine : bool
+    rate_rad_s : float
+        c.
+    """
+
+    theta: Array
+    covariance: Array
+    sigma: float
+    records: int
+    has_sine: bool
+    rate_rad_s: float
+
+    @property
+    def with_rate(self) -> Array:
+        """theta with c as fifth element, as `curve` takes it."""
+        return np.append(self.theta, self.rate_rad_s)
+
+
+def amplitude_and_phase(theta: Array, covariance: Array) -> tuple[float, float, float, float]:
+    """b >= 0, its standard error, d in (-pi, pi] and its standard error, from p = b sin d, q = b cos d."""
+    p, q = theta[1], theta[2]
+    b, d = math.hypot(p, q), math.atan2(p, q)
+    if d == -math.pi:
+        d = math.pi
+    if b == 0:
+        return b, math.nan, d, math.nan
+    part = covariance[1:3, 1:3]
+    along, across = np.array([p, q]) / b, np.array([q, -p]) / b
+    return b, math.sqrt(along @ part @ along), d, math.sqrt(across @ part @ across) / b
+
+
+class CurveSums:
+    """Sums for fits of several channels to one basis, added block by block.
+
+    Parameters
+    ----------
+    basis : CurveBasis
+    channels : int
+    """
+
+    def __init__(self, basis: CurveBasis, channels: int) -> None:
+        k = len(basis.whiten)
+        self.basis = basis
+        self._zz = np.zeros((channels, k, k))
+        self._zy = np.zeros((channels, k))
+        self._yy = np.zeros(channels)
+        self._records = np.zeros(channels, np.int64)
+        self._reference = np.full(channels, np.nan)
+
+    def add(self, columns: Array, values: Array, usable: NDArray[np.bool_] | None) -> None:
+        """Add records.
+
+        Parameters
+        ----------
+        columns : (k, N) array
+            The basis at the records' times.
+        values : (channels, N) array
+            Not changed. May be NaN where not usable.
+        usable : (channels, N) array of bool or None
+            Which values count; None = all.
+        """
+        if usable is None:
+            self._note_reference(values, None)
+            self._add_all(columns, values - self._reference[:, None], slice(None))
+            return
+        self._note_reference(values, usable)
+        shifted = np.where(usable, values - np.nan_to_num(self._reference)[:, None], 0.0)
+        together = usable.all(axis=0)
+        self._add_all(columns * together, shifted * together, slice(None), int(together.sum()))
+        for channel in np.flatnonzero((usable & ~together).any(axis=1)):
+            alone = usable[channel] & ~together
+            self._add_all(columns[:, alone], shifted[[channel]][:, alone], [channel])
+
+    def _add_all(
+        self, columns: Array, values: Array, channels: slice | list[int], records: int | None = None
+    ) -> None:
+        self._zz[channels] += columns @ columns.T
+        self._zy[channels] += values @ columns.T
+        self._yy[channels] += np.einsum("cn,cn->c", values, values)
+        self._records[channels] += values.shape[1] if records is None else records
+
+    def _note_reference(self, values: Array, usable: NDArray[np.bool_] | None) -> None:
+        """A value near each channel's mean, taken away before squares are summed."""
+        for channel in np.flatnonzero(np.isnan(self._reference)):
+            if usable is None:
+                self._reference[channel] = values[channel, 0]
+            elif usable[channel].any():
+                self._reference[channel] = values[channel, int(np.argmax(usable[channel]))]
+
+    def fit(self, channel: int) -> CurveFit | None:
+        """The least-squares curve of a channel; None where its records do not determine one."""
+        zz, zy, records = self._zz[channel], self._zy[channel], int(self._records[channel])
+        k = len(zz)
+        if records <= k or np.linalg.cond(zz) > _HARDEST:
+            return None
+        inverse = np.linalg.inv(zz)
+        beta = np.linalg.solve(zz, zy)
+        left = float(self._yy[channel] - 2 * beta @ zy + beta @ zz @ beta)
+        sigma = math.sqrt(max(left, 0.0) / (records - k))
+        to_theta = self.basis.to_theta
+        theta = to_theta @ beta
+        theta[0] += self._reference[channel]
+        covariance = sigma**2 * (to_theta @ inverse @ to_theta.T)
+        return CurveFit(theta, covariance, sigma, records, self.basis.has_sine, self.basis.rate_rad_s)

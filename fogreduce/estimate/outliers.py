@@ -1,0 +1,147 @@
+"""Spurious samples at random instants: a Hampel test that leaves edges, rails and dead zones alone.
+
+A sample is spurious where it lies further than `threshold` robust standard deviations from the median of
+the nine samples around it. A median keeps monotone edges, so a spin-up passes; the scale never falls below
+what the record, its quantisation and the calibration record's noise say, so that a saturated or dead
+stretch, whose own scatter is nil, does not make outliers of the samples beside it. What lasts for five
+samples or more is not spurious at a random instant, and passes too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64] | NDArray[np.int32]
+Flags = NDArray[np.bool_]
+
+_PIECE = 128  # samples whose scatter is judged together
+_HALF = 4  # samples on each side in the running median
+_ACTIVE = 0.05  # where fewer differences than this are other than zero, the scatter is not known
+
+#: Median of the absolute difference of two normal deviates, in their standard deviations.
+_MEDIAN_DIFFERENCE = 0.6744897501960817 * np.sqrt(2.0)
+
+#: Samples of context that a search wants on each side of a block.
+CONTEXT = _PIECE
+
+
+def robust_scale(values: Values, floor: float) -> float:
+    """Standard deviation of white noise in `values` (N,), from the differences of neighbours.
+
+    The median absolute difference, differences of zero left out: quantised or clipped values then give
+    the size of their steps, not zero. Not below `floor`, nor below the smallest step.
+    """
+    steps = np.abs(np.diff(values.astype(np.float64, copy=False)))
+    steps = steps[steps > 0]
+    if steps.size == 0:
+        return floor
+    least = max(floor, float(steps.min()))
+    if steps.size < _ACTIVE * values.size:
+        return least
+    return max(least, float(np.median(steps)) / _MEDIAN_DIFFERENCE)
+
+
+def running_median(windows: Values) -> Values:
+    """Median over the last axis of odd length."""
+    middle = windows.shape[-1] // 2
+    return np.partition(windows, middle, axis=-1)[..., middle]
+
+
+def isolated(values: Values, threshold: float) -> Flags:
+    """Where `values` (N,) leave the median of the nine around them by more than `threshold`."""
+    if values.size < 2 * _HALF + 1:
+        return np.abs(values - np.median(values)) > threshold
+    padded = np.pad(values, _HALF, mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _HALF + 1)
+    return np.abs(np.subtract(values, running_median(windows), dtype=np.float64)) > threshold
+
+
+class OutlierSearch:
+    """Finds spurious samples block by block.
+
+    Parameters
+    ----------
+    threshold_sigma : float
+        Robust standard deviations beyond which a sample is spurious.
+    floor : (n,) array
+        Least scale of each gyro, in the values' unit: the quantum, or a part of the stated noise.
+    """
+
+    def __init__(self, threshold_sigma: float, floor: NDArray[np.float64]) -> None:
+        self._threshold = threshold_sigma
+        self._floor = floor
+
+    def flags(self, before: Values | None, values: Values, after: Values | None) -> Flags:
+        """Which samples are spurious.
+
+        Parameters
+        ----------
+        before, after : (n, CONTEXT) arrays or None
+            The neighbouring samples; None at the ends of the record.
+        values : (n, N) array
+            Samples, those missing replaced by a neighbour.
+
+        Returns
+        -------
+        (n, N) array of bool
+        """
+        n, size = values.shape
+        flags = np.zeros((n, size), bool)
+        if size < 2 * _HALF + 1:
+            return flags
+        pieces = -(-size // _PIECE)
+        padded = _with_context(before, values, after, pieces * _PIECE - size)
+        parts = padded.reshape(n, pieces + 2, _PIECE)
+        lowest, highest = parts.min(axis=2), parts.max(axis=2)
+        spread = np.subtract(_three(highest, np.maximum), _three(lowest, np.minimum), dtype=np.float64)
+        stride = max(1, size // 8192)
+        for gyro in range(n):
+            pairs = padded[gyro, : padded.shape[1] // 2 * 2].reshape(-1, 2)[::stride]
+            typical = _scale_of_pairs(pairs, self._floor[gyro])
+            # A sample beyond the threshold makes the range of its three pieces at least as wide.
+            for piece in np.flatnonzero(spread[gyro] > self._threshold * typical):
+                around = padded[gyro, piece * _PIECE : (piece + 3) * _PIECE]
+                scale = max(typical, robust_scale(around, self._floor[gyro]))
+                inner = around[_PIECE - _HALF : 2 * _PIECE + _HALF]
+                windows = np.lib.stride_tricks.sliding_window_view(inner, 2 * _HALF + 1)
+                distance = np.subtract(around[_PIECE : 2 * _PIECE], running_median(windows), dtype=np.float64)
+                start = piece * _PIECE
+                stop = min(start + _PIECE, size)
+                flags[gyro, start:stop] = (np.abs(distance) > self._threshold * scale)[: stop - start]
+        return flags
+
+
+def _scale_of_pairs(pairs: Values, floor: float) -> float:
+    steps = np.abs(np.subtract(pairs[:, 1], pairs[:, 0], dtype=np.float64))
+    steps = steps[steps > 0]
+    if steps.size < _ACTIVE * len(pairs):
+        return floor
+    return max(floor, float(np.median(steps)) / _MEDIAN_DIFFERENCE)
+
+
+def _with_context(before: Values | None, values: Values, after: Values | None, fill: int) -> Values:
+    """Values with CONTEXT samples on each side (mirrored at the record's ends) and padded to whole pieces."""
+    size = values.shape[1]
+    if before is None:
+        head = values[:, np.minimum(np.arange(CONTEXT, 0, -1), size - 1)]
+    else:
+        head = _fit(before, CONTEXT, last=True)
+    tail_size = CONTEXT + fill
+    if after is None:
+        tail = values[:, size - 1 - np.minimum(np.arange(1, tail_size + 1), size - 1)]
+    else:
+        tail = _fit(after, tail_size, last=False)
+    return np.concatenate((head, values, tail), axis=1)
+
+
+def _fit(context: Values, size: int, *, last: bool) -> Values:
+    """Exactly `size` samples nearest to the block, repeating the far end where there are fewer."""
+    have = context.shape[1]
+    index = np.clip(np.arange(have - size, have), 0, None) if last else np.minimum(np.arange(size), have - 1)
+    return context[:, index]
+
+
+def _three(values: Values, choose: np.ufunc) -> Values:
+    """The extreme over each inner piece and its two neighbours."""
+    return choose(choose(values[:, :-2], values[:, 1:-1]), values[:, 2:])

@@ -1,0 +1,232 @@
+"""Stage 5, fit: the mean curve (eq. 7 to 9) of each gyro's volts and of x, y, z, and the run in bins.
+
+Each segment of constant rate is fitted on its own. Records within a guard of an edge between two rates are
+left out: a stamp rounded to the microsecond, or a table that takes time to change, must not leak in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.datasets.flags import UNUSABLE_AXES
+from fogreduce.estimate.bins import Bins, bin_size, bins_of
+from fogreduce.estimate.coloured import (
+    ColouredNoise,
+    allan_variance,
+    coefficient_covariance,
+    fit_noise,
+)
+from fogreduce.estimate.mean_curve import CurveBasis, CurveFit, CurveSums, curve
+from fogreduce.estimate.unstable import Unstable, unstable_intervals
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.stages.ingest import usable_gyros
+from fogreduce.stages.setup import seconds
+
+NAME = "fit"
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_LEAST_BINS = 16  # fewer do not tell coloured noise from white
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A segment of constant commanded rate and the sums over it; channels are gyros, then axes."""
+
+    number: int
+    start_s: float
+    stop_s: float
+    rate_deg_s: float
+    sums: CurveSums
+
+
+@dataclass(frozen=True)
+class ChannelFit:
+    """A fitted curve with its coloured covariance and the noise that this rests on (None: too few bins)."""
+
+    channel: str
+    curve: CurveFit
+    coloured: Array | None
+    noise: ColouredNoise | None
+
+
+@dataclass(frozen=True)
+class SegmentFit:
+    """The fits of one segment; None for a channel whose records do not determine a curve."""
+
+    number: int
+    start_s: float
+    stop_s: float
+    rate_deg_s: float
+    channels: list[ChannelFit | None]
+
+
+@dataclass
+class Fit:
+    """Fits a run, block by block.
+
+    Parameters
+    ----------
+    facts : RunFacts
+    channels : list of str
+        Names of gyros, then axes (none for a unit of one or two gyros).
+    n_records : int
+        Records of the capture, for the size of a bin.
+    block_records : int
+    guard_s : float
+        Left out on both sides of an edge between two rates [s].
+    """
+
+    facts: RunFacts
+    channels: list[str]
+    n_records: int
+    block_records: int
+    guard_s: float
+    _bins: list[Bins] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        profile = self.facts.profile
+        edges = profile.edges_s
+        self.segments = [
+            Segment(
+                k + 1,
+                float(edges[k]),
+                float(edges[k + 1]),
+                float(rate),
+                CurveSums(CurveBasis.of(edges[k], edges[k + 1], float(rate)), len(self.channels)),
+            )
+            for k, rate in enumerate(profile.rate_deg_s)
+        ]
+        self._size = bin_size(self.n_records, self.facts.sample_rate_hz, self.block_records)
+
+    @property
+    def bin_s(self) -> float:
+        """Length of a bin [s]."""
+        return self._size / self.facts.sample_rate_hz
+
+    def add(
+        self,
+        time_us: NDArray[np.int64],
+        flag: NDArray[np.uint8],
+        gyro_flag: NDArray[np.uint8],
+        volts: Array,
+        rates: Array | None,
+    ) -> None:
+        """Add a block: stamps (N,), flags (N,) and (n, N), volts (n, N) and rates (3, N) or None."""
+        time_s = seconds(time_us)
+        values = volts if rates is None else np.concatenate((volts, rates))
+        usable = self._usable(flag, gyro_flag, rates is not None)
+        self._bins.append(bins_of(time_s, values, usable, self._size))
+        if len(self.segments) == 1:
+            sums = self.segments[0].sums
+            sums.add(sums.basis.columns(time_s), values, usable)
+            return
+        for segment in self.segments:
+            inside = self._inside(segment, time_s)
+            if inside.any():
+                part = None if usable is None else usable[:, inside]
+                columns = segment.sums.basis.columns(time_s[inside])
+                segment.sums.add(columns, values[:, inside], part)
+
+    def _usable(self, flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8], has_axes: bool) -> Mask | None:
+        gyros = usable_gyros(flag, gyro_flag)
+        if gyros is None or not has_axes:
+            return gyros
+        axes = (flag & UNUSABLE_AXES) == 0
+        return np.concatenate((gyros, np.broadcast_to(axes, (3, axes.size))))
+
+    def _inside(self, segment: Segment, time_s: Array) -> Mask:
+        """Which times lie in a segment, the guard of the edges between segments left out."""
+        first, last = segment.number == 1, segment.number == len(self.segments)
+        low = -np.inf if first else segment.start_s + self.guard_s
+        high = np.inf if last else segment.stop_s - self.guard_s
+        inside: Mask = (time_s >= low) & (time_s < high)
+        return inside
+
+    def bins(self) -> Bins:
+        """The whole run in bins, all channels."""
+        return Bins.joined(self._bins)
+
+    def unstable(self, bins: Bins, threshold: float, min_duration_s: float) -> list[Unstable]:
+        """Intervals in which a gyro is unstable, see `unstable_intervals`."""
+        n = self.facts.n_gyros
+        return unstable_intervals(bins.time_s, bins.count[:n], bins.scatter[:n], threshold, min_duration_s)
+
+    def fits(self, bins: Bins) -> list[SegmentFit]:
+        """The fitted curves of every segment."""
+        return [
+            SegmentFit(
+                segment.number,
+                segment.start_s,
+                segment.stop_s,
+                segment.rate_deg_s,
+                [self._channel_fit(segment, channel, bins) for channel in range(len(self.channels))],
+            )
+            for segment in self.segments
+        ]
+
+    def _channel_fit(self, segment: Segment, channel: int, bins: Bins) -> ChannelFit | None:
+        fitted = segment.sums.fit(channel)
+        if fitted is None:
+            return None
+        time_s = bins.time_s
+        inside = self._inside(segment, time_s - self.bin_s / 2) & self._inside(
+            segment, time_s + self.bin_s / 2
+        )
+        mean = bins.mean[channel][inside]
+        if np.count_nonzero(np.isfinite(mean)) < _LEAST_BINS:
+            return ChannelFit(self.channels[channel], fitted, None, None)
+        time_s = time_s[inside]
+        columns = segment.sums.basis.columns(time_s)
+        # A bin's mean of the sine is its middle value times sinc of half the turn within the bin.
+        flattened = fitted.with_rate.copy()
+        flattened[1:3] *= np.sinc(fitted.rate_rad_s * self.bin_s / (2 * np.pi))
+        left = mean - curve(time_s, flattened)
+        noise = fit_noise(*allan_variance(left, self.bin_s))
+        covariance = coefficient_covariance(columns, noise, self.bin_s)
+        to_theta = segment.sums.basis.to_theta
+        return ChannelFit(self.channels[channel], fitted, to_theta @ covariance @ to_theta.T, noise)
+
+
+def as_plain(fits: list[SegmentFit], unstable: list[Unstable], bin_s: float) -> dict[str, Any]:
+    """Fits as JSON-ready data, every digit kept."""
+    return {
+        "bin_s": bin_s,
+        "unstable": [
+            {"gyro": f"gyro{item.gyro + 1}", "start_s": item.start_s, "stop_s": item.stop_s}
+            | {"noise_ratio": item.noise_ratio}
+            for item in unstable
+        ],
+        "segments": [
+            {
+                "segment": segment.number,
+                "start_s": segment.start_s,
+                "stop_s": segment.stop_s,
+                "rate_deg_s": segment.rate_deg_s,
+                "channels": [None if item is None else _plain_channel(item) for item in segment.channels],
+            }
+            for segment in fits
+        ],
+    }
+
+
+def _plain_channel(item: ChannelFit) -> dict[str, Any]:
+    noise = item.noise
+    return {
+        "channel": item.channel,
+        "theta": item.curve.theta.tolist(),
+        "covariance": item.curve.covariance.tolist(),
+        "sigma": item.curve.sigma,
+        "records": item.curve.records,
+        "has_sine": item.curve.has_sine,
+        "rate_rad_s": item.curve.rate_rad_s,
+        "coloured_covariance": None if item.coloured is None else item.coloured.tolist(),
+        "noise": None
+        if noise is None
+        else {"white": noise.white, "flicker": noise.flicker, "walk": noise.walk},
+    }

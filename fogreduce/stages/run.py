@@ -1,0 +1,209 @@
+"""The stages of a run: one after another through files (a node of the DAG each), or all in one pass.
+
+Both ways hand the same blocks to the same functions in the same order, so their tables are equal to the byte.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fogreduce.datasets.block import Block
+from fogreduce.datasets.readers import Reader, open_capture
+from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.errors import BadInput
+from fogreduce.physics.quantization import volts_from_counts
+from fogreduce.stages import drift as drift_stage
+from fogreduce.stages import encoder as encoder_stage
+from fogreduce.stages import tables
+from fogreduce.stages.calibrate import calibrate
+from fogreduce.stages.files import (
+    StageDataset,
+    open_writer,
+    read_json,
+    write_axis_rates,
+    write_bins,
+    write_gyro_rates,
+    write_ingest,
+    write_json,
+)
+from fogreduce.stages.fit import Fit, as_plain
+from fogreduce.stages.ingest import Ingest
+from fogreduce.stages.project import project
+from fogreduce.stages.remove_earth import remove_earth
+from fogreduce.stages.setup import Setup, TableAngle, seconds
+
+Progress = Callable[[int], None]
+
+
+def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records: None) -> None:
+    """All stages in one pass over the capture; `progress` is told how many records are done."""
+    facts = setup.facts
+    reader = _open_capture(setup, run_dir)
+    angle = TableAngle(setup, run_dir)
+    ingest = Ingest(facts, setup.parameters["outliers"]["threshold_sigma"])
+    fit = _fit(setup, reader.n_records)
+    with ExitStack() as stack:
+        has_counts = reader.facts.volts_per_count is not None
+        raw, gyro, axis, table = (
+            stack.enter_context(open_writer(setup, stage, reader.n_records, has_counts=has_counts))
+            for stage in ("ingest", "calibrate", "project", "remove_earth")
+        )
+        for block in ingest.blocks(reader, setup.block_records):
+            write_ingest(raw, block)
+            gyro_rates = calibrate(facts, block.volts)
+            write_gyro_rates(gyro, block, gyro_rates)
+            rates = None
+            if setup.axes:
+                axis_rates = project(facts, gyro_rates)
+                rates = remove_earth(facts, angle, seconds(block.time_us), axis_rates)
+                write_axis_rates(axis, block.start, block.time_us, block.flag, axis_rates)
+            else:
+                write_axis_rates(axis, block.start, block.time_us, block.flag, None)
+            write_axis_rates(table, block.start, block.time_us, block.flag, rates)
+            fit.add(block.time_us, block.flag, block.gyro_flag, block.volts, rates)
+            progress(block.start + block.time_us.size)
+    _finish_ingest(setup, run_dir, ingest, reader)
+    _finish_fit(setup, fit)
+    run_drift(setup)
+
+
+def run_ingest(setup: Setup, run_dir: Path) -> None:
+    """Stage 1: the capture's records, judged and flagged."""
+    reader = _open_capture(setup, run_dir)
+    ingest = Ingest(setup.facts, setup.parameters["outliers"]["threshold_sigma"])
+    has_counts = reader.facts.volts_per_count is not None
+    with open_writer(setup, "ingest", reader.n_records, has_counts=has_counts) as writer:
+        for block in ingest.blocks(reader, setup.block_records):
+            write_ingest(writer, block)
+    _finish_ingest(setup, run_dir, ingest, reader)
+
+
+def run_calibrate(setup: Setup) -> None:
+    """Stage 2: raw volts to rates about the gyros' axes."""
+    with StageDataset(setup, "ingest") as source:
+        with open_writer(setup, "calibrate", source.n_records) as writer:
+            for block in _ingested(setup, source):
+                write_gyro_rates(writer, block, calibrate(setup.facts, block.volts))
+
+
+def run_project(setup: Setup) -> None:
+    """Stage 3: rates about the gyros' axes to rates about x, y, z."""
+    with StageDataset(setup, "calibrate") as source:
+        with open_writer(setup, "project", source.n_records) as writer:
+            for start, part in source.blocks(("time", "gyro_rate", "flag")):
+                rates = project(setup.facts, part["gyro_rate"]) if setup.axes else None
+                write_axis_rates(writer, start, part["time"], part["flag"], rates)
+
+
+def run_remove_earth(setup: Setup, run_dir: Path | None = None) -> None:
+    """Stage 4: Earth's rate taken away; `run_dir` is read only where alpha comes from the encoder."""
+    angle = TableAngle(setup, run_dir)
+    with StageDataset(setup, "project") as source:
+        with open_writer(setup, "remove_earth", source.n_records) as writer:
+            names = ("time", "axis_rate", "flag") if setup.axes else ("time", "flag")
+            for start, part in source.blocks(names):
+                rates = None
+                if setup.axes:
+                    rates = remove_earth(setup.facts, angle, seconds(part["time"]), part["axis_rate"])
+                write_axis_rates(writer, start, part["time"], part["flag"], rates)
+
+
+def run_fit(setup: Setup) -> None:
+    """Stage 5: mean curves, bins, unstable intervals."""
+    with StageDataset(setup, "ingest") as source, StageDataset(setup, "remove_earth") as reduced:
+        fit = _fit(setup, source.n_records)
+        rates_by_block: Iterator[Any] = (
+            (part["axis_rate"] for _, part in reduced.blocks(("axis_rate",)))
+            if setup.axes
+            else iter(lambda: None, 0)
+        )
+        for block, rates in zip(_ingested(setup, source), rates_by_block, strict=False):
+            fit.add(block.time_us, block.flag, block.gyro_flag, block.volts, rates)
+    _finish_fit(setup, fit)
+
+
+def run_drift(setup: Setup) -> None:
+    """Stage 6: the paper's offset rule and the integration."""
+    fits = read_json(setup.out / "reports" / "fit.json")
+    rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
+    tables.write_table(setup.table("drift"), drift_stage.DRIFT_COLUMNS, rows)
+
+
+def _open_capture(setup: Setup, run_dir: Path) -> Reader:
+    capture = setup.manifest["run"]["capture"]
+    path = run_dir / capture["file"]
+    reader = open_capture(path, capture["format"], setup.facts.sample_rate_hz)
+    faults = contradictions(reader.facts, setup.facts, path)
+    if faults:
+        raise BadInput(*faults)
+    return reader
+
+
+def _ingested(setup: Setup, source: StageDataset) -> Iterator[Block]:
+    """The blocks that ingest wrote."""
+    has_counts = source.has_counts()
+    for start, part in source.blocks(("time", "pulse", "volts", "flag", "gyro_flag")):
+        counts = part["volts"] if has_counts else None
+        volts = volts_from_counts(counts, setup.facts.volts_per_count) if has_counts else part["volts"]
+        yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, volts)
+
+
+def _fit(setup: Setup, n_records: int) -> Fit:
+    return Fit(
+        setup.facts,
+        setup.gyros + setup.axes,
+        n_records,
+        setup.block_records,
+        setup.parameters["edge_guard_s"],
+    )
+
+
+def _finish_ingest(setup: Setup, run_dir: Path, ingest: Ingest, reader: Reader) -> None:
+    report = {"version_id": setup.version_id, **ingest.report(reader)}
+    write_json(setup.out / "reports" / "ingest.json", report)
+    rows: list[list[tables.Cell]] = [
+        [kind, report[kind] or 0, setup.version_id]  # type: ignore[list-item]
+        for kind in ("records", "expected", "lost", "torn_bytes")
+    ]
+    flagged: dict[str, int] = report["flagged"]  # type: ignore[assignment]
+    rows += [[kind, count, setup.version_id] for kind, count in flagged.items()]
+    tables.write_table(setup.table("quality"), ["what", "count", "version_id"], rows)
+    encoder_stage.write_encoder_table(setup, run_dir)
+
+
+def _finish_fit(setup: Setup, fit: Fit) -> None:
+    bins = fit.bins()
+    limits = setup.parameters["unstable"]
+    unstable = fit.unstable(bins, limits["threshold"], limits["min_duration_s"])
+    fits = {"version_id": setup.version_id, **as_plain(fit.fits(bins), unstable, fit.bin_s)}
+    write_bins(setup, bins)
+    write_json(setup.out / "reports" / "fit.json", fits)
+    version = setup.version_id
+    for name, columns, channels in (
+        ("gyro_fit", tables.GYRO_FIT_COLUMNS, setup.gyros),
+        ("rate_fit", tables.RATE_FIT_COLUMNS, setup.axes),
+    ):
+        tables.write_table(setup.table(name), columns, tables.fit_rows(fits, channels, version))
+    tables.write_table(
+        setup.table("unstable"),
+        ["gyro", "start_s", "stop_s", "noise_ratio", "version_id"],
+        [
+            [item["gyro"], item["start_s"], item["stop_s"], item["noise_ratio"], version]
+            for item in fits["unstable"]
+        ],
+    )
+
+
+STAGES: dict[str, Callable[..., None]] = {
+    "ingest": run_ingest,
+    "calibrate": run_calibrate,
+    "project": run_project,
+    "remove_earth": run_remove_earth,
+    "fit": run_fit,
+    "drift": run_drift,
+}

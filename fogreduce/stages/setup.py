@@ -1,0 +1,147 @@
+"""What every stage starts from: the run's facts, the parameters and the version id, out of the manifest."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import fogreduce
+from fogreduce.constants import MICROSECONDS_PER_SECOND
+from fogreduce.datasets.logs import TableLog, read_table_log
+from fogreduce.datasets.store import Storage
+from fogreduce.errors import BadInput
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.frames import AXES
+
+MANIFEST = "manifest.json"
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A run to be reduced.
+
+    Attributes
+    ----------
+    manifest : mapping
+        See `fogreduce.archive.manifest`.
+    out : Path
+        The run's results folder.
+    """
+
+    manifest: Mapping[str, Any]
+    out: Path
+
+    @classmethod
+    def read(cls, out: Path) -> Setup:
+        """From the manifest in a results folder."""
+        path = out / MANIFEST
+        try:
+            manifest = json.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise BadInput.at(path, "", found="no such file", expected="the run's manifest") from None
+        except (OSError, ValueError) as error:
+            raise BadInput.at(path, "", found=str(error), expected="the run's manifest") from None
+        return cls(manifest, out)
+
+    @cached_property
+    def facts(self) -> RunFacts:
+        """The run's metadata and calibration as arrays."""
+        return RunFacts.of(self.manifest["run"], self.manifest["calibration_record"])
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """Parameters of the reduction."""
+        parameters: Mapping[str, Any] = self.manifest["parameters"]
+        return parameters
+
+    @property
+    def version_id(self) -> str:
+        """Identifies the inputs, calibration, code, libraries and parameters of this result."""
+        return str(self.manifest["version_id"])
+
+    @property
+    def block_records(self) -> int:
+        """Records worked on at a time."""
+        return int(self.parameters["block_records"])
+
+    @property
+    def storage(self) -> Storage:
+        """Layout of the datasets."""
+        storage = self.parameters["storage"]
+        level = storage["compression_level"] if storage["compression"] == "gzip" else None
+        return Storage(storage["chunk_records"], level)
+
+    @property
+    def gyros(self) -> list[str]:
+        """Names of the gyros: gyro1, gyro2, ..."""
+        return [f"gyro{i + 1}" for i in range(self.facts.n_gyros)]
+
+    @property
+    def axes(self) -> list[str]:
+        """Names of the projected axes; none for a unit of one or two gyros."""
+        return list(AXES) if self.facts.projection is not None else []
+
+    @property
+    def attributes(self) -> dict[str, object]:
+        """Global attributes that every dataset carries."""
+        attributes: dict[str, object] = {
+            "Conventions": "CF-1.11",
+            "title": f"fogreduce: {self.manifest['campaign']} / {self.facts.run_id}",
+            "source": f"fogreduce {fogreduce.__version__}",
+            "version_id": self.version_id,
+            "campaign": self.manifest["campaign"],
+            "run_id": self.facts.run_id,
+            "unit": self.facts.unit,
+            "calibration": self.manifest["calibration"]["id"],
+            "latitude_deg": self.facts.latitude_deg,
+            "sample_rate_hz": self.facts.sample_rate_hz,
+        }
+        if self.manifest.get("label"):
+            attributes["comment"] = self.manifest["label"]
+        return attributes
+
+    def dataset(self, stage: str) -> Path:
+        """Where a stage's dataset lies."""
+        return self.out / "datasets" / f"{stage}.nc"
+
+    def table(self, name: str) -> Path:
+        """Where a table lies."""
+        return self.out / "tables" / f"{name}.csv"
+
+
+class TableAngle:
+    """The table's angle alpha(t), from the command or, where configured, from the encoder's log."""
+
+    def __init__(self, setup: Setup, run_dir: Path | None) -> None:
+        self._profile = setup.facts.profile
+        self._log: TableLog | None = None
+        if setup.parameters["alpha_source"] == "encoder":
+            name = setup.manifest["run"].get("table_log")
+            if name is None or run_dir is None:
+                raise BadInput.at(
+                    "run.yaml",
+                    "table_log",
+                    found="no encoder log",
+                    expected="one, since reduction.alpha_source is encoder",
+                )
+            self._log = read_table_log(run_dir / name)
+
+    def at(self, time_s: Array) -> Array:
+        """Alpha [rad] at times [s], positive for a right-handed turn about the table's axis."""
+        if self._log is None:
+            return self._profile.angle_at(time_s)
+        return self._log.angle_at(time_s)
+
+
+def seconds(time_us: NDArray[np.int64]) -> Array:
+    """Stamps [us] as seconds since the run's start."""
+    return time_us / MICROSECONDS_PER_SECOND
