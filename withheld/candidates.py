@@ -20,7 +20,8 @@ Candidate = Callable[[Campaign, tuple[str, ...]], dict[str, Any]]
 
 def _document(campaign: Campaign, names: tuple[str, ...], verdict: str, gap: float) -> dict[str, Any]:
     closure = {
-        "measure": "none: nothing was measured", "held_out": "nothing was fitted", "before": 2.0, "after": 2.0,
+        "measure": "none: nothing was measured", "held_out": "nothing was fitted",
+        "before": 2.0, "after": 2.0,
         "expected_if_closed": 1.0, "fraction": 0.0, "std": 1.0, "interval_95": [-1.96, 1.96],
     }  # fmt: skip
     return {
@@ -28,7 +29,7 @@ def _document(campaign: Campaign, names: tuple[str, ...], verdict: str, gap: flo
         "runs": [run.run_id for run in campaign.runs], "catalogue": list(names), "verdict": verdict,
         "gap_probability": gap, "where": [], "causes": [], "unknown_probability": 0.0,
         "closure": None if verdict == "no_gap" else closure,
-        "remainder": {"significant": verdict in ("unexplained", "partly_explained"), "p_value": 0.5, "where": []},
+        "remainder": {"significant": verdict == "unexplained", "p_value": 0.5, "where": []},
         "next_run": None,
     }  # fmt: skip
 
@@ -80,8 +81,8 @@ def guess(campaign: Campaign, names: tuple[str, ...]) -> dict[str, Any]:
         return _document(campaign, names, "no_gap", 0.3)
     members = _members(campaign, names)
     member = members[rng.integers(len(members))]
-    cause = {**member, "probability": 0.5, "group_probability": 0.5, "group": [{**member, "probability": 0.5}],
-             "parameters": {}}  # fmt: skip
+    alone = [{**member, "probability": 0.5}]
+    cause = {**alone[0], "group_probability": 0.5, "group": alone, "parameters": {}}
     places = [_place(block(member["effect"]), member["channels"], member["runs"])]
     return _document(campaign, names, "explained", 0.7) | {"where": places, "causes": [cause]}
 

@@ -37,7 +37,7 @@ def first_order(v: Array, step_s: float, tau_s: float) -> Array:
 
 
 def filtered(run: Run, entries: tuple[Entry, ...], v: Array, step_s: float) -> Array:
-    """`low_pass` on volts (k, n); departure `second_pole`: another pole at that share of the time constant."""
+    """`low_pass` on volts (k, n); departure `second_pole`: another at that share of the time constant."""
     v = v.copy()
     for e in select(entries, run.run_id, "low_pass"):
         tau = e.number("time_constant_ms") * 1e-3

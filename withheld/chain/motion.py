@@ -35,7 +35,7 @@ class Motion:
 
 
 def commanded(run: Run, t: Array) -> tuple[Array, Array]:
-    """Commanded rate [deg/s] and angle [deg] at times `t` [s]; before 0 and after the end the table stands."""
+    """Commanded rate [deg/s] and angle [deg] at times `t` [s]; outside the profile it stands."""
     rates = np.array([0.0] + [rate for rate, _ in run.profile] + [0.0])
     starts = np.concatenate([[0.0], np.cumsum([duration for _, duration in run.profile])])
     angles = np.concatenate([[0.0], np.cumsum([rate * duration for rate, duration in run.profile])])

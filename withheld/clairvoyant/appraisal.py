@@ -33,7 +33,7 @@ def _slow_part(world: World, inner: Metric, entry: Entry) -> Array:
 
 
 def _fast_part(world: World, entry: Entry, healthy: Healthy) -> tuple[float, Array]:
-    """SNR^2 beyond block means: of the full-rate statistic, and of the waveform within blocks by gyro (n,)."""
+    """SNR^2 beyond block means: of the full-rate statistic, and within blocks by gyro (n,)."""
     found = STATISTICS[entry.effect](world, entry, healthy) ** 2 if entry.effect in STATISTICS else 0.0
     weights = within_blocks(world, entry) if entry.effect in FAST else np.zeros(world.campaign.unit.n)
     return found, weights

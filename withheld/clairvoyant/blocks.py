@@ -143,5 +143,5 @@ def metric(world: World) -> Metric:
     columns = _nuisance_columns(world)
     stacked = [np.stack([column[r] for column in columns], axis=-1) for r in range(len(campaign.runs))]
     nuisances = plain.white(stacked)
-    shrink: Array = np.linalg.inv(np.eye(nuisances.shape[1]) + nuisances.T @ nuisances)
+    shrink = np.asarray(np.linalg.inv(np.eye(nuisances.shape[1]) + nuisances.T @ nuisances), dtype=float)
     return Metric(filters, nuisances, shrink)

@@ -100,7 +100,7 @@ def coloured(world: World, entry: Entry, healthy: Healthy) -> float:
 
 
 def level_free(world: World, entry: Entry) -> float:
-    """What is left of `coloured` when the white level is quite free: the separation from angle_random_walk."""
+    """`coloured` with the white level quite free: the separation from angle_random_walk."""
     return _coloured(world, entry, 1e9)
 
 
@@ -142,7 +142,7 @@ def _ratio(world: World, entry: Entry, run: Run, i: int, frequency: Array) -> Ar
 
 
 def bits(world: World, entry: Entry, healthy: Healthy) -> float:
-    """lost_bits: all counts multiples of 2^m, a chance of 2^-m a sample without the effect: 2 KL = 2 n m ln 2."""
+    """lost_bits: all counts multiples of 2^m, else a chance of 2^-m a sample: 2 KL = 2 n m ln 2."""
     samples = sum(run.samples for run in _runs(world, entry)) * len(entry.gyros())
     return float(np.sqrt(2.0 * samples * entry.parameters["bits"] * np.log(2.0)))
 

@@ -23,13 +23,13 @@ NAMES: tuple[str, ...] = tuple(name for names in BLOCKS.values() for name in nam
 IN_ONE_RUN = ("turn_on_bias", "bias_step")
 # Only the full-rate stream shows these; their signal-to-noise ratio is a likelihood ratio's.
 FULL_RATE = (
-    "base_motion", "angle_random_walk", "common_noise", "periodic_interference", "lost_bits", "adc_nonlinearity",
-    "low_pass", "clock_error", "dropouts", "spikes", "stuck_samples",
+    "base_motion", "angle_random_walk", "common_noise", "periodic_interference", "lost_bits",
+    "adc_nonlinearity", "low_pass", "clock_error", "dropouts", "spikes", "stuck_samples",
 )  # fmt: skip
 
 
 def block(effect: str) -> str:
-    """The block in which an effect of the catalogue stands; what never was in it sits in a gyro or its noise."""
+    """The block in which an effect of the catalogue stands; others sit in a gyro or its noise."""
     for name, effects in BLOCKS.items():
         if effect in effects:
             return name

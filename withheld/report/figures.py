@@ -50,12 +50,15 @@ def _points(ax: Axes, x: Array, shares: list[Share], colour: str, marker: str, n
 
 
 def causes_against_snr(scores: dict[str, Any]) -> Figure:
-    """Gap seen, right by group and right by name in each band of SNR, beside the clairvoyant's expectation."""
+    """Gap seen, right by group, right by name, in each band of SNR, beside the clairvoyant."""
     figure, (ax,) = _figure(8.0, 4.2)
     parts = _in_bands([o for o in scores["outcomes"] if o["kind"] == "single"])
     x = np.arange(len(parts), dtype=float)
-    named = (("flagged", SEEN, "s", "a gap seen", -0.18), ("by_group", GROUPED, "D", "right cause or pure group", 0.0),
-             ("exact", RIGHT, "o", "right cause", 0.18))  # fmt: skip
+    named = (
+        ("flagged", SEEN, "s", "a gap seen", -0.18),
+        ("by_group", GROUPED, "D", "right cause or pure group", 0.0),
+        ("exact", RIGHT, "o", "right cause", 0.18),
+    )
     for field, colour, marker, name, shift in named:
         shares = [Share(sum(bool(o[field]) for o in group), len(group)) for _, group in parts]
         _points(ax, x + shift, shares, colour, marker, name)
@@ -101,7 +104,7 @@ def outside_the_catalogue(scores: dict[str, Any]) -> Figure:
 
 
 def confusion(scores: dict[str, Any]) -> Figure:
-    """Truth against the effect named first, or the verdict where none is named; shares of each truth's cases."""
+    """Truth against the effect named first, or the verdict where none is named."""
     rows = scores["summary"]["confusion"]
     truths = sorted({r["truth"] for r in rows})
     answers = [a for a in truths if any(r["answer"] == a for r in rows)]

@@ -10,8 +10,8 @@ from withheld.report.figures import FIGURES
 from withheld.score.wilson import Share
 
 _CAPTIONS = {
-    "causes": "One effect of the catalogue: shares in bands of signal-to-noise ratio, with 95 % intervals, beside "
-    "what somebody who knows the waveforms would reach.",
+    "causes": "One effect of the catalogue: shares in bands of signal-to-noise ratio, with 95 % intervals, "
+    "beside what somebody who knows the waveforms would reach.",
     "outside": "Effects that the diagnoser had no name for.",
     "confusion": "Cases of at most one effect.",
     "reliability": "Stated probabilities against the share that was right, with 95 % intervals.",
@@ -19,25 +19,21 @@ _CAPTIONS = {
 }
 
 
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}" if n != 1 else f"{n} {what.removesuffix('s')}"
-
-
 def _head(scores: dict[str, Any]) -> list[str]:
     kinds = scores["summary"]["kinds"]
     words = {
-        "nothing": "with nothing wrong", "single": "with one effect", "pair": "with two", "triple": "with three",
+        "nothing": "with nothing wrong", "single": "with one effect", "pair": "with two",
+        "triple": "with three",
         "without": "with an effect taken out of the catalogue", "stranger": "with one that never was in it",
     }  # fmt: skip
     listed = ", ".join(f"{kinds[k]} {text}" for k, text in words.items() if k in kinds)
     if scores["once"]:
-        stood = f"It was scored once. {_count(scores['studies_before'], 'studies')} of this candidate came before it."
-        stood = stood.replace("1 studie of", "1 study of")
+        stood = f"It was scored once. Studies of this candidate before it: {scores['studies_before']}."
     else:
         stood = (
-            "It tries the path from injection to report and may be run again: it proves nothing about a candidate. "
-            f"Studies of this candidate that count, before it: {scores['studies_before']}; tries like this: "
-            f"{scores['tries_before']}."
+            "It tries the path from injection to report and may be run again: it proves nothing about a "
+            f"candidate. Studies of this candidate that count, before it: {scores['studies_before']}; "
+            f"tries like this: {scores['tries_before']}."
         )
     seals = "".join(f"| {name} | `{digest}` |\n" for name, digest in scores["seals"].items())
     return [
@@ -65,7 +61,8 @@ def _ideal(summary: dict[str, Any]) -> str:
         f"| {r['band']} | {r['n']} | {100 * r['seen']:.1f} % | {100 * r['named']:.1f} % |\n"
         for r in summary["clairvoyant"]
     )
-    return f"### The clairvoyant, one effect\n\n| SNR | cases | sees a gap | names the cause |\n|---|---|---|---|\n{lines}"
+    head = "| SNR | cases | sees a gap | names the cause |\n|---|---|---|---|\n"
+    return f"### The clairvoyant, one effect\n\n{head}{lines}"
 
 
 def _reliability(summary: dict[str, Any]) -> str:
@@ -74,8 +71,9 @@ def _reliability(summary: dict[str, Any]) -> str:
         if part["n"]:
             lines += f"| {name} | {part['n']} | {part['error']:.3f} | {part['expected_error']:.3f} |\n"
     return (
-        "### Reliability\n\nMean distance between stated probability and share right, and what a perfectly calibrated "
-        f"answer of the same size would show.\n\n| | n | distance | if calibrated |\n|---|---|---|---|\n{lines}"
+        "### Reliability\n\nMean distance between stated probability and share right, and what a perfectly "
+        "calibrated answer of the same size would show.\n\n"
+        f"| | n | distance | if calibrated |\n|---|---|---|---|\n{lines}"
     )
 
 

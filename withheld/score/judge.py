@@ -109,7 +109,7 @@ def _group_right(cause: Cause, effect: Mapping[str, Any], never: float) -> bool:
 
 
 def _matched(diagnosis: Diagnosis, effects: list[Mapping[str, Any]], never: float) -> tuple[int, int]:
-    """How many effects stand among the leading causes by name, and by pure group; as many causes as effects."""
+    """How many effects stand among the leading causes by name, and by pure group."""
     leading = diagnosis.causes[: len(effects)]
     by_name = sum(any(_is(cause.key, effect) for cause in leading) for effect in effects)
     by_group = sum(
@@ -150,7 +150,7 @@ def _fate(diagnosis: Diagnosis, effect: Mapping[str, Any], thresholds: Threshold
 def _pulls(
     diagnosis: Diagnosis, effects: list[Mapping[str, Any]]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Pulls of the parameters of causes that are right by name, and stated over attainable standard deviations."""
+    """Pulls of parameters of causes right by name, and stated over attainable standard deviations."""
     pulls, ratios = [], []
     for effect in effects:
         truth: dict[str, Any] = {}
@@ -226,7 +226,8 @@ def judge(
         far = any(d >= thresholds.group_never for d in apart)
     return Outcome(
         **base, valid=True, flagged=flagged, exact=exact, by_group=by_group, named=named,
-        verdict_right=verdict_right, fate=fate, place_right=place_right(diagnosis, effects) if wrong else None,
+        verdict_right=verdict_right, fate=fate,
+        place_right=place_right(diagnosis, effects) if wrong else None,
         answer=first.key[0] if first else diagnosis.verdict, stated=stated, stated_group=stated_group,
         gap=(diagnosis.gap_probability, wrong), unknown=(diagnosis.unknown_probability, outside),
         pulls=pulls, attainable=ratios, closure=closure, group_size=size, group_pure=pure, impure_far=far,

@@ -58,7 +58,10 @@ def score(
     return {
         "schema": "withheld/scores/1", "study": protocol.name, "seed": protocol.seed, "once": protocol.once,
         "candidate": candidate, "studies_before": stood["before"], "tries_before": stood["tries"],
-        "seals": {"protocol": sha256(protocol_path), "labels": sha256(labels_seal), "diagnoses": sha256(diagnoses_seal)},
+        "seals": {
+            "protocol": sha256(protocol_path), "labels": sha256(labels_seal),
+            "diagnoses": sha256(diagnoses_seal),
+        },
         "summary": summarise(outcomes, protocol.thresholds),
         "outcomes": [_plain(outcome) for outcome in outcomes],
     }  # fmt: skip
@@ -68,6 +71,6 @@ def _plain(outcome: Outcome) -> dict[str, Any]:
     """What the figures need of an outcome."""
     return {
         name: getattr(outcome, name)
-        for name in ("case", "kind", "design", "effects", "snr", "separated", "flagged", "exact", "by_group", "fate",
-                     "answer", "valid", "verdict_right", "pulls", "closure", "seconds")
+        for name in ("case", "kind", "design", "effects", "snr", "separated", "flagged", "exact", "by_group",
+                     "fate", "answer", "valid", "verdict_right", "pulls", "closure", "seconds")
     }  # fmt: skip

@@ -132,7 +132,8 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
         _table("Two and three effects, each effect", [
             _row("named", Share(sum(o.named or 0 for o in several), sum(len(o.effects) for o in several)))]),
         _table("One effect, by design", [
-            _row(f"{d}: right cause or pure group", share([bool(o.by_group) for o in single if o.design == d]))
+            _row(f"{d}: right cause or pure group",
+                 share([bool(o.by_group) for o in single if o.design == d]))
             for d in sorted({o.design for o in single})]),
         _outside("Never in the catalogue", [o for o in outside if o.kind == "stranger"]),
         _outside("Taken out of the catalogue", [o for o in outside if o.kind == "without"]),
@@ -141,10 +142,12 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
                 sum(o.group_pure or 0 for o in groups), sum(o.group_size or 0 for o in groups))),
             _row("groups without a member separated by 6 or more", share([not o.impure_far for o in groups])),
         ]),
-        _table("Parameters of right causes", [_row("within 2 standard deviations", share([abs(p) < 2 for p in pulls]))]),
+        _table("Parameters of right causes", [
+            _row("within 2 standard deviations", share([abs(p) < 2 for p in pulls]))]),
         _table("Closure against the oracle, right causes", [
             _row("within 0.03", share([abs(d) < 0.03 for d, _ in close])),
-            _row("within 2 of its own standard deviations", share([abs(d) < 2 * max(s, 1e-9) for d, s in close]))]),
+            _row("within 2 of its own standard deviations",
+                 share([abs(d) < 2 * max(s, 1e-9) for d, s in close]))]),
     ]  # fmt: skip
     return {
         "cases": len(outcomes),

@@ -70,7 +70,7 @@ class Case:
 
 
 def _targets(protocol: Protocol, kind: str, number: int, rng: np.random.Generator) -> list[float]:
-    """Target signal-to-noise ratios: even in the logarithm; not too faint where several have to be told apart."""
+    """Target signal-to-noise ratios: even in the logarithm; less faint where there are several."""
     low = protocol.snr_low if kind not in ("pair", "triple") else 3.0 * protocol.snr_low
     return [float(np.exp(rng.uniform(np.log(low), np.log(protocol.snr_high)))) for _ in range(number)]
 

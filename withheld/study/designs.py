@@ -58,7 +58,7 @@ def _turns(design: str, rng: np.random.Generator) -> list[tuple[str, Profile]]:
 
 
 def _tumbled(design: str, number: int, axis: str) -> tuple[tuple[str, str], tuple[str, str]]:
-    """The axis about which the table turns stands upright; a tumble test turns it downward every other time."""
+    """The table's axis stands upright; a tumble test turns it downward every other time."""
     (up, _), second = UPRIGHT[axis]
     down = design == "eight_static" and number >= 3 and number % 2 == 1
     return (up, "down" if down else "up"), second

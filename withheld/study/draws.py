@@ -265,8 +265,9 @@ LAWS: dict[str, Law] = {
 # Only these have a shape that a slow modulation can disturb without making it something else.
 WOBBLES = (
     "table_rate_error", "heading_error", "latitude_error", "mount_rotation", "bias_offset", "turn_on_bias",
-    "bias_ramp", "bias_step", "warm_up", "temperature_bias", "temperature_rate_bias", "temperature_scale_factor",
-    "scale_factor_error", "scale_factor_asymmetry", "scale_factor_nonlinearity", "acceleration_bias",
+    "bias_ramp", "bias_step", "warm_up", "temperature_bias", "temperature_rate_bias",
+    "temperature_scale_factor", "scale_factor_error", "scale_factor_asymmetry",
+    "scale_factor_nonlinearity", "acceleration_bias",
     "magnetic_bias", "crosstalk", "periodic_interference", "base_motion",
 )  # fmt: skip
 
@@ -300,8 +301,8 @@ def draw_entry(effect: str, campaign: Campaign, rng: np.random.Generator, wobble
 # An amplitude that cannot be negative.
 _POSITIVE = (
     "angle_random_walk", "bias_instability", "rate_random_walk", "common_noise", "periodic_interference",
-    "base_motion", "table_rate_ripple", "dead_zone", "adc_nonlinearity", "low_pass", "latency", "dropouts", "spikes",
-    "stuck_samples", "band_limited_noise", "line_intermodulation",
+    "base_motion", "table_rate_ripple", "dead_zone", "adc_nonlinearity", "low_pass", "latency", "dropouts",
+    "spikes", "stuck_samples", "band_limited_noise", "line_intermodulation",
 )  # fmt: skip
 
 

@@ -63,7 +63,7 @@ def _enter(path: Path, protocol: Protocol, candidate: str, labels: str, diagnose
             return _before(own[:number])
         if protocol.once:
             raise BadInput(
-                f"{path}: {candidate} was scored on this study before, with other diagnoses; take another seed"
+                f"{path}: {candidate} was scored on this study before, with other diagnoses; take a new seed"
             )
     entries.append(
         {

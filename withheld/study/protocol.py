@@ -96,12 +96,13 @@ class Protocol:
 
 METRICS = (
     "right cause: the first cause is the truth by effect, channels and (for what sits in one run) run",
-    "right by group: the truth is in the first cause's group and every other member is separated from it by less "
-    "than group_never",
+    "right by group: the truth is in the first cause's group and every other member is separated from it by "
+    "less than group_never",
     "false alarm: nothing wrong and the verdict is not no_gap",
-    "verdict right: explained for a catalogued cause; unexplained or partly_explained for one outside the catalogue",
-    "outside the catalogue: flagged at the right place; misattributed (explained, and the truth keeps stranger_keeps "
-    "against its best catalogue rival); missed (no_gap); indistinguishable (explained, by a rival that close)",
+    "verdict right: explained for a catalogued cause; unexplained or partly_explained for one outside",
+    "outside the catalogue: flagged at the right place; misattributed (explained, and the truth keeps "
+    "stranger_keeps against its best catalogue rival); missed (no_gap); indistinguishable (explained, and a "
+    "rival is closer than that)",
     "reliability: stated probability against the share that was right, closed and open set apart",
     "pulls: (value - truth) / std of each parameter of a right cause",
     "closure: stated fraction less the oracle's",
@@ -110,7 +111,7 @@ METRICS = (
 
 
 def study(kind: str, seed: int) -> Protocol:
-    """`small`: some twenty cases that try the path; `full`: 1,216 campaigns, 400 of them with nothing wrong."""
+    """`small`: twenty cases that try the path; `full`: 1,216 campaigns, 400 with nothing wrong."""
     if kind == "small":
         return Protocol("small", seed, False, 6, 1, 1, 1, 1, 1, singles_total=4)
     if kind == "full":
@@ -119,7 +120,7 @@ def study(kind: str, seed: int) -> Protocol:
 
 
 def code_hash() -> str:
-    """Digest of the sources that make and judge: injector, effects, cases, clairvoyant and scorer as they stand."""
+    """Digest of the sources that make and judge: injector, effects, cases, clairvoyant, scorer."""
     root = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
     parts = ("chain", "effects", "study", "clairvoyant", "score")
