@@ -1,4 +1,4 @@
-"""What an effect finds around it when it acts: time, motion, temperature, the other gyros, its own randomness."""
+"""What an effect finds around it when it acts: time, motion, temperature, other gyros, its randomness."""
 
 from __future__ import annotations
 
@@ -63,6 +63,8 @@ class At:
     temperature : TemperatureLog or None
     columns : (n, N) array
         The values of all gyros before this stage.
+    alpha_rad : (N,) array
+        True table angle.
     """
 
     place: Place
@@ -78,7 +80,8 @@ class At:
     def warmed_degC(self) -> Array:
         """Sensor temperature less that at t = 0 [degC], (N,)."""
         log = self._log
-        return log.sensor_at(self.time_s) - log.sensor_at(np.zeros(1))[0]
+        start = float(log.sensor_at(np.zeros(1))[0])
+        return log.sensor_at(self.time_s) - start
 
     def phase_rad(self, given: float | None) -> float:
         """The phase given, or this run's draw."""
@@ -92,7 +95,7 @@ class At:
 
     @property
     def warming_degC_per_min(self) -> Array:
-        """Slope of the sensor's temperature [degC/min]: of the straight line through the rows within 10 s, (N,)."""
+        """Slope [degC/min] of the straight line through the sensor's rows within 10 s of each time, (N,)."""
         log = self._log
         return 60.0 * slope_around(log.time_s, log.sensor_degC, self.time_s, half_s=10.0)
 
@@ -107,6 +110,7 @@ def slope_around(row_s: Array, value: Array, time_s: Array, half_s: float) -> Ar
     row_s, value : (k,) arrays
         Rows of a log.
     time_s : (N,) array
+        Where the slope is wanted [s].
     half_s : float
         Half the window [s].
     """

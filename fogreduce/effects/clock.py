@@ -6,17 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.at import At
-from fogreduce.effects.model import Effect, Parameter, Parameters, Stage
+from fogreduce.effects.model import Effect, Numbers, Parameter, Stage
 
 Array = NDArray[np.float64]
 
 
-def clock_error(shown_s: Array, p: Parameters, at: At) -> Array:
+def clock_error(shown_s: Array, p: Numbers, at: At) -> Array:
     """A sample taken at true time t is stamped t / (1 + e)."""
     return shown_s / (1.0 + p["ppm"] * 1e-6)
 
 
-def latency(age_s: float, p: Parameters, at: At) -> float:
+def latency(age_s: float, p: Numbers, at: At) -> float:
     """The gyro's answer is this much older; before t = 0 it reads what it reads at t = 0."""
     return age_s + float(p["ms"]) * 1e-3
 
@@ -37,7 +37,7 @@ EFFECTS = (
         Stage.LATENCY,
         "gyro i's answer is this much old",
         latency,
-        "digital filters and serial links of tactical-grade units: 0.5 to 20 ms; a queue in software: up to 1 s",
+        "digital filters and serial links of tactical-grade units: 0.5 to 20 ms; queues in software: 1 s",
         (Parameter("ms", "ms", "age", off=0.0, low=0.0, high=1e9, realistic=(0.5, 1000.0)),),
         {"ms": 500.0},
     ),

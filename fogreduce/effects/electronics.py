@@ -1,4 +1,4 @@
-"""Effects of the electronics on raw volts and counts."""
+"""Effects of the electronics: on raw volts, and on the bits of a count."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.constants import MISSING_COUNT
 from fogreduce.effects.at import At
-from fogreduce.effects.model import Effect, Parameter, Parameters, Stage
+from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int32]
 
 
-def low_pass(volts: Array, p: Parameters, at: At) -> Array:
+def low_pass(volts: Array, p: Numbers, at: At) -> Array:
     """First-order filter ``tau y' = v - y``, exact for v straight between samples; settled on v(0) at t = 0.
 
     ``y[k] = q y[k-1] + (g - q) v[k-1] + (1 - g) v[k]``, q = exp(-dt / tau), g = (1 - q) tau / dt.
@@ -50,12 +49,12 @@ def first_order(driven: Array, q: float, start: float) -> Array:
     return y
 
 
-def adc_nonlinearity(volts: Array, p: Parameters, at: At) -> Array:
+def adc_nonlinearity(volts: Array, p: Numbers, at: At) -> Array:
     """v_i += A sin(2 pi v_i / p)."""
     return volts + p["volts"] * np.sin(2.0 * np.pi / p["period_volts"] * volts)
 
 
-def saturation(volts: Array, p: Parameters, at: At) -> Array:
+def saturation(volts: Array, p: Numbers, at: At) -> Array:
     """v_i clipped to +-value."""
     return np.clip(volts, -p["volts"], p["volts"])
 
@@ -65,61 +64,13 @@ def lost_bits(counts: Counts, p: Parameters, at: At) -> Counts:
     return counts & np.int32(-(1 << p["bits"]))
 
 
-def stuck_samples(counts: Counts, p: Parameters, at: At) -> Counts:
-    """A count repeats the one before, which may itself be a repeat; the record's first cannot."""
-    place = at.place
-    stuck = place.generator.random(len(counts)) < p["fraction"]
-    before = place.state.get("last")
-    extended = np.concatenate(([counts[0] if before is None else before], counts))
-    stuck = np.concatenate(([False], stuck))
-    source = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(extended))))
-    repeated = extended[source][1:]
-    place.state["last"] = repeated[-1]
-    return repeated
-
-
-def spikes(counts: Counts, p: Parameters, at: At) -> Counts:
-    """Counts replaced by spurious ones, uniform over +-2^30, each independently."""
-    generator = at.place.generator
-    struck = generator.random(len(counts)) < p["fraction"]
-    changed = counts.copy()
-    changed[struck] = generator.integers(-(2**30), 2**30, int(struck.sum()), dtype=np.int32, endpoint=True)
-    return changed
-
-
-def dropouts(counts: Counts, p: Parameters, at: At) -> Counts:
-    """Answers missing, each independently."""
-    struck = at.place.generator.random(len(counts)) < p["fraction"]
-    return np.where(struck, np.int32(MISSING_COUNT), counts)
-
-
-def channel_swap(counts: Counts, p: Parameters, at: At) -> Counts:
-    """The other gyro's column; the entry is applied to both gyros."""
-    exchanged: Counts = at.columns[int(p["with"][4:]) - 1]
-    return exchanged
-
-
-def polarity_error(counts: Counts, p: Parameters, at: At) -> Counts:
-    """Counts of the other sign; a missing answer stays missing."""
-    return np.where(counts == MISSING_COUNT, counts, -counts)
-
-
-_LINK = (
-    "the paper: its link has no checksum, and answers are lost; serial links in a laboratory: 1e-7 to 1e-3"
-)
-
-
-def _fraction() -> Parameter:
-    return Parameter("fraction", "", "share of samples", off=0.0, low=0.0, high=1.0, realistic=(1e-6, 1e-2))
-
-
 EFFECTS = (
     Effect(
         "low_pass",
         Stage.FILTER,
         "tau y' = v_i - y before sampling",
         low_pass,
-        "data sheets of tactical-grade units: bandwidth 20 to 500 Hz, so 0.3 to 8 ms; deliberate filters up to 100 ms",
+        "data sheets of tactical-grade units: 20 to 500 Hz, so 0.3 to 8 ms; deliberate filters: 100 ms",
         (Parameter("time_constant_ms", "ms", "tau", off=0.0, low=0.0, high=1e9, realistic=(0.3, 100.0)),),
         {"time_constant_ms": 100.0},
     ),
@@ -152,54 +103,5 @@ EFFECTS = (
         "converters with fewer true bits than the word: 1 to 8 bits",
         (Parameter("bits", "", "m", off=0, low=0, high=31, realistic=(1, 12), kind="integer"),),
         {"bits": 11},
-    ),
-)
-
-LINK_EFFECTS = (
-    Effect(
-        "dropouts",
-        Stage.DROPOUTS,
-        "answers missing (-2147483648), each independently",
-        dropouts,
-        _LINK,
-        (_fraction(),),
-        {"fraction": 0.01},
-    ),
-    Effect(
-        "spikes",
-        Stage.SPIKES,
-        "counts replaced by spurious ones, uniform over +-2^30, each independently",
-        spikes,
-        _LINK,
-        (_fraction(),),
-        {"fraction": 1e-4},
-    ),
-    Effect(
-        "stuck_samples",
-        Stage.REPEATS,
-        "a count repeats the one before, each independently",
-        stuck_samples,
-        "two clocks without a handshake: the share by which their rates differ, 1e-5 to 1e-1",
-        (_fraction(),),
-        {"fraction": 0.5},
-    ),
-    Effect(
-        "channel_swap",
-        Stage.COLUMNS,
-        "two gyros' columns exchanged",
-        channel_swap,
-        "a mistake of wiring: there or not",
-        (Parameter("with", "", "the other gyro", kind="gyro"),),
-        {"with": "gyro1"},
-        mutual="with",
-    ),
-    Effect(
-        "polarity_error",
-        Stage.POLARITY,
-        "polarity_i is the other one than stated",
-        polarity_error,
-        "a mistake of wiring: there or not",
-        (),
-        {},
     ),
 )

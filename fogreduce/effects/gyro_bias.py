@@ -7,47 +7,50 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import At
-from fogreduce.effects.model import Effect, Parameter, Parameters, Stage
+from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
 
 Array = NDArray[np.float64]
 
 _TACTICAL = (
     "tactical grade in Groves (2013), table 4.1, and Titterton & Weston (2004), ch. 5: 0.1 to 100 deg/h"
 )
-_SHUPE = "Shupe (1980); Lefevre, The Fiber-Optic Gyroscope (2014), ch. 6: quadrupolar coils 0.01 to 1 deg/h per degC/min"
+_SHUPE = (
+    "Shupe (1980); Lefevre, The Fiber-Optic Gyroscope (2014), ch. 6: 0.01 to 1 deg/h per degC/min with "
+    "quadrupolar winding, ten times that without"
+)
 
 
-def bias_offset(reading: Array, p: Parameters, at: At) -> Array:
+def bias_offset(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += value."""
     return reading + p["deg_h"] / SECONDS_PER_HOUR
 
 
-def bias_ramp(reading: Array, p: Parameters, at: At) -> Array:
+def bias_ramp(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += value t, t in hours."""
     return reading + p["deg_h_per_h"] / SECONDS_PER_HOUR * (at.time_s / SECONDS_PER_HOUR)
 
 
-def bias_step(reading: Array, p: Parameters, at: At) -> Array:
+def bias_step(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += value from `time_s` on, that instant included."""
     return reading + p["deg_h"] / SECONDS_PER_HOUR * (at.time_s >= p["time_s"])
 
 
-def warm_up(reading: Array, p: Parameters, at: At) -> Array:
+def warm_up(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += A exp(-t / tau)."""
     return reading + p["deg_h"] / SECONDS_PER_HOUR * np.exp(-at.time_s / p["tau_s"])
 
 
-def temperature_bias(reading: Array, p: Parameters, at: At) -> Array:
+def temperature_bias(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += k (T_sensor(t) - T_sensor(0))."""
     return reading + p["deg_h_per_degC"] / SECONDS_PER_HOUR * at.warmed_degC
 
 
-def temperature_rate_bias(reading: Array, p: Parameters, at: At) -> Array:
+def temperature_rate_bias(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += k dT_sensor/dt."""
     return reading + p["deg_h_per_degC_per_min"] / SECONDS_PER_HOUR * at.warming_degC_per_min
 
 
-def acceleration_bias(reading: Array, p: Parameters, at: At) -> Array:
+def acceleration_bias(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += k (G_i . up), in g: on a table that does not accelerate, the specific force is 1 g upward."""
     up = at.motion.seen(np.array([0.0, 0.0, 1.0]), at.alpha_rad)
     return reading + p["deg_h_per_g"] / SECONDS_PER_HOUR * (at.axis @ up)
@@ -57,7 +60,8 @@ def magnetic_bias(reading: Array, p: Parameters, at: At) -> Array:
     """M_i += k (G_i . R u0 F), F of length 1."""
     field = np.array(p["field_direction"])
     seen = at.motion.seen(field / np.linalg.norm(field), at.alpha_rad)
-    return reading + p["deg_h"] / SECONDS_PER_HOUR * (at.axis @ seen)
+    size = float(p["deg_h"]) / SECONDS_PER_HOUR
+    return reading + size * (at.axis @ seen)
 
 
 def axis_misalignment(axis: Array, p: Parameters, at: At) -> Array:
@@ -91,7 +95,7 @@ EFFECTS = (
         Stage.BIAS,
         "M_i += value t, t in hours since the run's start",
         bias_ramp,
-        "ageing of source power and ramps of IEEE Std 952, annex C; the paper's Table 4 has 3 deg/h over 1.7 h",
+        "rate ramp of IEEE Std 952, annex C; the slopes e of the paper's Table 4 are 0.1 to 3 deg/h/h",
         (Parameter("deg_h_per_h", "deg/h/h", "value", off=0.0, realistic=(0.05, 5.0)),),
         {"deg_h_per_h": 20.0},
     ),
@@ -144,7 +148,7 @@ EFFECTS = (
         Stage.BIAS,
         "M_i += k (G_i . up)",
         acceleration_bias,
-        "IEEE Std 952, acceleration-sensitive drift: small in a fibre-optic gyro, up to 1 deg/h/g by stress on the coil",
+        "IEEE Std 952, acceleration-sensitive drift: small in a fibre-optic gyro, up to 1 deg/h/g",
         (Parameter("deg_h_per_g", "deg/h/g", "k", off=0.0, realistic=(0.01, 1.0)),),
         {"deg_h_per_g": 2.0},
     ),

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import At
-from fogreduce.effects.model import Effect, Parameter, Parameters, Stage
+from fogreduce.effects.gyro_names import gyro_index
+from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
 
 Array = NDArray[np.float64]
 
@@ -15,29 +16,30 @@ Array = NDArray[np.float64]
 NONLINEARITY_RATE_DEG_S = 10.0
 
 
-def temperature_scale_factor(reading: Array, p: Parameters, at: At) -> Array:
+def temperature_scale_factor(reading: Array, p: Numbers, at: At) -> Array:
     """M_i *= 1 + k (T_sensor(t) - T_sensor(0))."""
     return reading * (1.0 + p["ppm_per_degC"] * 1e-6 * at.warmed_degC)
 
 
-def scale_factor_error(reading: Array, p: Parameters, at: At) -> Array:
+def scale_factor_error(reading: Array, p: Numbers, at: At) -> Array:
     """M_i *= 1 + e."""
     return reading * (1.0 + p["ppm"] * 1e-6)
 
 
-def scale_factor_asymmetry(reading: Array, p: Parameters, at: At) -> Array:
+def scale_factor_asymmetry(reading: Array, p: Numbers, at: At) -> Array:
     """M_i += e abs(M_i)."""
     return reading + p["ppm"] * 1e-6 * np.abs(reading)
 
 
-def scale_factor_nonlinearity(reading: Array, p: Parameters, at: At) -> Array:
+def scale_factor_nonlinearity(reading: Array, p: Numbers, at: At) -> Array:
     """M_i *= 1 + e (M_i / 10 deg/s)^2."""
     return reading * (1.0 + p["ppm_at_10_deg_s"] * 1e-6 * (reading / NONLINEARITY_RATE_DEG_S) ** 2)
 
 
 def crosstalk(reading: Array, p: Parameters, at: At) -> Array:
     """M_i += c M_j, M_j as it was before any crosstalk."""
-    return reading + p["ppm"] * 1e-6 * at.columns[int(p["source"][4:]) - 1]
+    source: Array = at.columns[gyro_index(p["source"])]
+    return reading + float(p["ppm"]) * 1e-6 * source
 
 
 def dead_zone(reading: Array, p: Parameters, at: At) -> Array:
@@ -53,7 +55,7 @@ EFFECTS = (
         Stage.SCALE,
         "M_i *= 1 + k (T_sensor(t) - T_sensor(0))",
         temperature_scale_factor,
-        "wavelength of the source and size of the coil, Lefevre (2014), ch. 8: 5 to 400 ppm/degC uncompensated",
+        "source's wavelength and coil's size, Lefevre (2014), ch. 8: 5 to 400 ppm/degC uncompensated",
         (Parameter("ppm_per_degC", "ppm/degC", "k", off=0.0, low=-1e6, high=1e6, realistic=(1, 200)),),
         {"ppm_per_degC": 100.0},
         needs_temperature=True,
@@ -90,7 +92,7 @@ EFFECTS = (
         Stage.CROSSTALK,
         "M_i += c M_j",
         crosstalk,
-        "electronics shared by the gyros, 40 to 80 dB of isolation at low frequency: 10 to 1000 ppm after calibration",
+        "shared electronics with 60 to 100 dB of isolation: 10 to 1000 ppm",
         (
             Parameter("ppm", "ppm", "c", off=0.0, low=-1e6, high=1e6, realistic=(20, 1000)),
             Parameter("source", "", "gyro j", kind="gyro"),

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 #: A parameter's value as validated: a number, three numbers (a tuple), or a word.
 Value = float | int | str | tuple[float, ...] | None
 Parameters = Mapping[str, Any]
-Forward = Callable[[Any, Parameters, "At"], Any]
+#: The same where an effect's parameters are numbers alone.
+Numbers = Mapping[str, float]
+Forward = Callable[[Any, Any, "At"], Any]
 
 
 class Stage(IntEnum):

@@ -1,4 +1,4 @@
-"""The true motion of the unit: the commanded profile as the table really follows it, and where the unit lies."""
+"""The true motion of the unit: how the table really follows its command, and where the unit lies."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ONES = np.ones(3)
 
 @dataclass(frozen=True)
 class Ripple:
-    """The table's rate is modulated by ``1 + amplitude cos(harmonic alpha + phase)``, alpha as commanded [rad]."""
+    """The rate is modulated by ``1 + amplitude cos(harmonic alpha + phase)``, alpha as commanded [rad]."""
 
     amplitude: float
     harmonic: int
@@ -108,4 +108,7 @@ class Motion:
     def seen(self, direction_enu: Array, alpha_rad: Array) -> Array:
         """A direction fixed in the room (east, north, up) as the unit sees it, (3, N)."""
         constant, cosine, sine = turn_about_axis(self.table_axis, self.unit_from_enu @ direction_enu)
-        return constant[:, None] + np.outer(cosine, np.cos(alpha_rad)) + np.outer(sine, np.sin(alpha_rad))
+        seen = np.outer(cosine, np.cos(alpha_rad))
+        seen += np.outer(sine, np.sin(alpha_rad))
+        seen += constant[:, None]
+        return seen

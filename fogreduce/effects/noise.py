@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import At
-from fogreduce.effects.model import PHASE, Effect, Parameter, Parameters, Stage
+from fogreduce.effects.model import PHASE, Effect, Numbers, Parameter, Parameters, Stage
 
 Array = NDArray[np.float64]
 
@@ -37,30 +37,30 @@ class NoiseLevels:
     further_walk: tuple[tuple[float, np.random.Generator], ...] = ()
 
 
-def angle_random_walk(levels: NoiseLevels, p: Parameters, at: At) -> NoiseLevels:
+def angle_random_walk(levels: NoiseLevels, p: Numbers, at: At) -> NoiseLevels:
     """N replaced; the stream is the record's own."""
     return replace(levels, white_deg_sqrt_h=p["deg_sqrt_h"])
 
 
-def bias_instability(levels: NoiseLevels, p: Parameters, at: At) -> NoiseLevels:
+def bias_instability(levels: NoiseLevels, p: Numbers, at: At) -> NoiseLevels:
     """A further flicker process."""
     if p["deg_h"] == 0.0:
         return levels
     return replace(levels, further_flicker=(*levels.further_flicker, (p["deg_h"], at.place.generator)))
 
 
-def rate_random_walk(levels: NoiseLevels, p: Parameters, at: At) -> NoiseLevels:
+def rate_random_walk(levels: NoiseLevels, p: Numbers, at: At) -> NoiseLevels:
     """A further random walk."""
     if p["deg_h_sqrt_h"] == 0.0:
         return levels
     return replace(levels, further_walk=(*levels.further_walk, (p["deg_h_sqrt_h"], at.place.generator)))
 
 
-def common_noise(levels: NoiseLevels, p: Parameters, at: At) -> NoiseLevels:
+def common_noise(levels: NoiseLevels, p: Numbers, at: At) -> NoiseLevels:
     """Unit white noises correlated pairwise: the symmetric root of their correlation matrix, row i.
 
-    For m gyros ``R = (1 - r) 1 + r J`` has the root ``s 1 + (sqrt(1 + (m - 1) r) - s) / m J``, s = sqrt(1 - r);
-    r must lie between -1 / (m - 1) and 1.
+    For m gyros ``R = (1 - r) 1 + r J`` has the root ``s 1 + (sqrt(1 + (m - 1) r) - s) / m J``,
+    s = sqrt(1 - r); r must lie between -1 / (m - 1) and 1.
     """
     correlation, group = p["correlation"], list(at.place.group)
     own = math.sqrt(1.0 - correlation)
@@ -72,8 +72,9 @@ def common_noise(levels: NoiseLevels, p: Parameters, at: At) -> NoiseLevels:
 
 def periodic_interference(added: Array, p: Parameters, at: At) -> Array:
     """M_i += A sin(2 pi f t + phi), f as sampled."""
-    turn = 2.0 * np.pi * p["frequency_hz"] * at.time_s + at.phase_rad(p["phase_rad"])
-    return added + p["deg_h"] / SECONDS_PER_HOUR * np.sin(turn)
+    turn: Array = 2.0 * np.pi * p["frequency_hz"] * at.time_s + at.phase_rad(p["phase_rad"])
+    amplitude = float(p["deg_h"]) / SECONDS_PER_HOUR
+    return added + amplitude * np.sin(turn)
 
 
 EFFECTS = (

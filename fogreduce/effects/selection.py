@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
 
+from fogreduce.effects.gyro_names import gyro_index, gyro_name
 from fogreduce.effects.model import Effect, Parameter
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput, Fault
@@ -49,17 +50,6 @@ class Action:
         return places
 
 
-def gyro_name(index: int) -> str:
-    """``gyro1`` for 0."""
-    return f"gyro{index + 1}"
-
-
-def gyro_index(name: str) -> int:
-    """0 for ``gyro1``; -1 for what is no gyro's name."""
-    digits = name.removeprefix("gyro")
-    return int(digits) - 1 if name.startswith("gyro") and digits.isascii() and digits.isdigit() else -1
-
-
 def select(
     entries: Sequence[EffectEntry], run_ids: Sequence[str], n_gyros: int, file: object
 ) -> list[Action]:
@@ -68,9 +58,11 @@ def select(
     Parameters
     ----------
     entries : sequence of EffectEntry
+        As read.
     run_ids : sequence of str
         All runs of the campaign.
     n_gyros : int
+        Gyros of the unit.
     file : path
         To name in a fault.
 

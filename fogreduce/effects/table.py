@@ -5,7 +5,7 @@ See docs/adding-an-effect.md.
 
 from __future__ import annotations
 
-from fogreduce.effects import clock, electronics, gyro_bias, gyro_scale, noise, table_site_mounting
+from fogreduce.effects import clock, electronics, gyro_bias, gyro_scale, link, noise, table_site_mounting
 from fogreduce.effects.model import Effect
 
 EFFECTS: dict[str, Effect] = {
@@ -18,6 +18,6 @@ EFFECTS: dict[str, Effect] = {
         *noise.EFFECTS,
         *electronics.EFFECTS,
         *clock.EFFECTS,
-        *electronics.LINK_EFFECTS,
+        *link.EFFECTS,
     )
 }

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.at import At
-from fogreduce.effects.model import PHASE, Effect, Parameter, Parameters, Stage
+from fogreduce.effects.model import PHASE, Effect, Numbers, Parameter, Parameters, Stage
 from fogreduce.effects.motion import Motion, Ripple, Vibration
 from fogreduce.physics.frames import rotation
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def table_rate_error(motion: Motion, p: Parameters, at: At) -> Motion:
+def table_rate_error(motion: Motion, p: Numbers, at: At) -> Motion:
     """True rate = commanded (1 + e)."""
     return replace(motion, gain=motion.gain * (1.0 + p["ppm"] * 1e-6))
 
@@ -29,13 +29,13 @@ def table_rate_ripple(motion: Motion, p: Parameters, at: At) -> Motion:
     return replace(motion, ripples=(*motion.ripples, ripple))
 
 
-def heading_error(motion: Motion, p: Parameters, at: At) -> Motion:
+def heading_error(motion: Motion, p: Numbers, at: At) -> Motion:
     """True azimuth = stated + value, clockwise from above: before u0 the room turns the other way."""
     turned = rotation(_UP, np.radians(p["deg"]))
     return replace(motion, unit_from_enu=motion.unit_from_enu @ turned)
 
 
-def latitude_error(motion: Motion, p: Parameters, at: At) -> Motion:
+def latitude_error(motion: Motion, p: Numbers, at: At) -> Motion:
     """True latitude = stated + value."""
     return replace(motion, latitude_deg=motion.latitude_deg + p["deg"])
 
@@ -45,7 +45,7 @@ def rotation_sense(motion: Motion, p: Parameters, at: At) -> Motion:
     return replace(motion, gain=-motion.gain)
 
 
-def start_offset(motion: Motion, p: Parameters, at: At) -> Motion:
+def start_offset(motion: Motion, p: Numbers, at: At) -> Motion:
     """The table's profile begins this much later than the capture."""
     return replace(motion, start_s=motion.start_s + p["s"])
 

@@ -38,12 +38,12 @@ _SPACING = 3.0  # ratio of neighbouring corner frequencies in the slow part
 
 
 def white_sigma(n_deg_sqrt_h: float | Array, sample_rate_hz: float) -> float | Array:
-    """Standard deviation a sample [deg/s] of an angle random walk N [deg/sqrt(h)]: ``N / 60 sqrt(rate)``."""
+    """Standard deviation a sample [deg/s] of angle random walk N [deg/sqrt(h)]: ``N / 60 sqrt(rate)``."""
     return n_deg_sqrt_h / 60.0 * math.sqrt(sample_rate_hz)
 
 
 def white_coefficient(sigma_deg_s: float | Array, sample_rate_hz: float) -> float | Array:
-    """Angle random walk N [deg/sqrt(h)] of white noise of `sigma_deg_s` a sample; inverse of `white_sigma`."""
+    """Angle random walk N [deg/sqrt(h)] of white noise [deg/s] a sample; inverse of `white_sigma`."""
     return sigma_deg_s * 60.0 / math.sqrt(sample_rate_hz)
 
 
@@ -117,7 +117,7 @@ def slow_corners_hz(sample_rate_hz: float) -> Array:
     """Corner frequencies of the first-order processes that make the slow part of flicker.
 
     Equally spaced in log f, each in the middle of its cell, the cells filling 1e-5 Hz to the split. In place
-    of a continuum of corners, a spacing of three makes a ripple of 4 exp(-pi^2 / ln 3) = 0.05 % in the density.
+    of a continuum of corners, a spacing of three makes a ripple of 4 exp(-pi^2 / ln 3) = 0.05 %.
     """
     split = _split_hz(sample_rate_hz)
     octaves = math.log(split / LOWEST_FLICKER_HZ)
@@ -204,7 +204,7 @@ def _slow_densities(frequency_hz: Array, sample_rate_hz: float) -> tuple[Array, 
 
 
 def _slow_variance(sample_rate_hz: float) -> float:
-    """Variance [(deg/h)^2] of each process of the slow part for B = 1 deg/h: its cell's share of ln f, over pi."""
+    """Variance [(deg/h)^2] of each slow process for B = 1 deg/h: its cell's share of ln f, over pi."""
     cells = max(len(slow_corners_hz(sample_rate_hz)), 1)
     return math.log(_split_hz(sample_rate_hz) / LOWEST_FLICKER_HZ) / cells / math.pi
 
@@ -213,7 +213,7 @@ def _slow_variance(sample_rate_hz: float) -> float:
 def _fast_response(sample_rate_hz: float) -> NDArray[np.complex128]:
     """Transform of the fast part's filter, ready for overlap-save, for B = 1 deg/h."""
     fine = 16 * TRANSFORM
-    frequency = np.fft.rfftfreq(fine, 1.0 / sample_rate_hz)
+    frequency = np.linspace(0.0, sample_rate_hz / 2.0, fine // 2 + 1)
     frequency[0] = frequency[1] * 1e-3  # the density's limit at 0 is finite
     fast = lorentz_share(frequency, _split_hz(sample_rate_hz)) / (np.pi * frequency)
     slow, joined = _slow_densities(frequency, sample_rate_hz)
@@ -225,9 +225,10 @@ def _fast_response(sample_rate_hz: float) -> NDArray[np.complex128]:
 
 
 def flicker_density_made(sample_rate_hz: float, frequency_hz: Array) -> Array:
-    """One-sided density [(deg/h)^2/Hz] that `FlickerSource` has by its construction, filter's length included."""
+    """One-sided density [(deg/h)^2/Hz] that `FlickerSource` has by construction, for B = 1 deg/h."""
     taps = np.fft.irfft(_fast_response(sample_rate_hz), TRANSFORM)[:TAPS]
     half = TAPS // 2
     turn = 2.0 * np.pi * frequency_hz / sample_rate_hz
     gain = taps[half] + 2.0 * np.cos(np.outer(turn, np.arange(1, half + 1))) @ taps[half + 1 :]
-    return gain**2 * 2.0 / sample_rate_hz + _slow_densities(frequency_hz, sample_rate_hz)[1]
+    density: Array = gain**2 * 2.0 / sample_rate_hz + _slow_densities(frequency_hz, sample_rate_hz)[1]
+    return density

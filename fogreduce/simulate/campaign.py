@@ -5,10 +5,8 @@ Everything is made in a temporary folder and takes its place, whole, at the end.
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -29,6 +27,7 @@ from fogreduce.simulate.draw import axes_of, draw_uncertainties
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.from_curves import blocks_from_curves
 from fogreduce.simulate.nominal_noise import NoiseCoefficients
+from fogreduce.simulate.publish import published
 
 
 @dataclass(frozen=True)
@@ -103,7 +102,7 @@ def simulate_campaign(campaign_dir: Path, calibrations_dir: Path, out: Path, opt
     seed = _seed(loaded.campaign, options)
     actions, drawn = _actions(loaded, options, seed)
     from_curves = _curves(loaded, options)
-    with _published(out) as folder:
+    with published(out) as folder:
         _write_campaign_yaml(loaded, folder)
         for run_id in _progress(chosen):
             run = loaded.runs[run_id]
@@ -226,36 +225,6 @@ def _refuse_out(campaign_dir: Path, out: Path, loaded: Loaded) -> None:
             raise BadInput.at(
                 out, "runs", found=f"other runs ({', '.join(others)})", expected="an empty folder"
             )
-
-
-@contextmanager
-def _published(out: Path) -> Iterator[Path]:
-    """A temporary folder beside `out`, whose files take their places in `out` when the block ends well."""
-    whole = out.absolute()
-    temporary = whole.with_name(f".{whole.name}.{os.getpid()}.tmp")
-    shutil.rmtree(temporary, ignore_errors=True)
-    try:
-        temporary.mkdir(parents=True)
-        yield temporary
-        if whole.exists():
-            _move_files(temporary, whole)
-        else:
-            temporary.rename(whole)
-    except OSError as error:
-        raise BadInput.at(
-            error.filename or out, "", found=error.strerror or error, expected="a folder that can be written"
-        ) from error
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _move_files(source: Path, target: Path) -> None:
-    """Move every file to its place under `target`, one rename each; a run's capture goes last."""
-    files = [path for path in source.rglob("*") if path.is_file()]
-    for path in sorted(files, key=lambda path: path.stat().st_mtime_ns):
-        place = target / path.relative_to(source)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        path.replace(place)
 
 
 def _write_campaign_yaml(loaded: Loaded, folder: Path) -> None:

@@ -1,8 +1,8 @@
 """The stated uncertainties, drawn: what a campaign may really have been, when nothing is wrong.
 
 What is drawn is written as effects of the catalogue, so that it can be read, compared and put in again.
-A gyro's scale factor, bias and axis, the table's rate and the latitude are the same in all runs of a campaign;
-turn-on bias and azimuth are new in each run (capture contract).
+A gyro's scale factor, bias and axis, the table's rate and the latitude are the same in all runs of a
+campaign; turn-on bias and azimuth are new in each run (capture contract).
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ def draw_uncertainties(
     runs : sequence of Run
         All runs that were calibrated by `record`.
     record : CalibrationRecord
+        It states what a gyro's uncertainties are.
     axes : (n, 3) array
         G.
     seed : int

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.effects.at import At, Place
-from fogreduce.effects.model import Stage
+from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.effects.model import Parameters, Stage
 from fogreduce.effects.motion import Motion
 from fogreduce.effects.noise import NoiseLevels
-from fogreduce.effects.selection import Action, gyro_name
+from fogreduce.effects.selection import Action
 from fogreduce.errors import BadInput
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_unit_rate, gyro_rates_from_axis_rates
@@ -37,6 +38,21 @@ _VOLT_STAGES = (Stage.FILTER, Stage.CONVERTER, Stage.CLIPPING)
 _COUNT_STAGES = (
     Stage.BITS, Stage.REPEATS, Stage.SPIKES, Stage.DROPOUTS, Stage.COLUMNS, Stage.POLARITY,
 )  # fmt: skip
+
+
+_NONE = np.zeros(0)
+
+
+@dataclass(frozen=True)
+class _Acting:
+    """One effect at one place in this run."""
+
+    action: Action
+    place: Place
+    parameters: Parameters
+
+    def forward(self, value: Any, at: At) -> Any:
+        return self.action.effect.forward(value, self.parameters, at)
 
 
 @dataclass(frozen=True)
@@ -74,11 +90,12 @@ class ForwardRun:
     ) -> None:
         self.facts = facts
         self.temperature = temperature
-        self._by_stage: dict[Stage, list[list[tuple[Action, Place, Any]]]] = {}
+        self._by_stage: dict[Stage, list[_Acting]] = {}
         for action in actions:
             if facts.run_id in action.runs:
                 self._take(action, seed)
-        self.motion: Motion = self._common(Stage.MOTION, Motion.nominal(facts))
+        self.motion, self.axes = Motion.nominal(facts), facts.axes
+        self.motion = self._common(Stage.MOTION, self.motion)
         self.axes = np.array(self._per_gyro(Stage.AXES, list(facts.axes)))
         ages = self._per_gyro(Stage.LATENCY, [0.0] * facts.n_gyros)
         self._ages = {age: [i for i, other in enumerate(ages) if other == age] for age in set(ages)}
@@ -158,64 +175,54 @@ class ForwardRun:
             )
         words = ("effect", facts.run_id, effect.name, str(action.ordinal))
         phase = float(stream(seed, *words, "phase").uniform(0.0, 2.0 * np.pi))
-        places = [
-            (
-                action,
-                Place(
-                    facts.run_id,
-                    gyro,
-                    action.gyros,
-                    facts.n_gyros,
-                    stream(seed, *words, gyro_name(gyro)),
-                    phase,
-                ),
-                parameters,
-            )
-            for gyro, parameters in action.acting()
-        ]
-        self._by_stage.setdefault(effect.stage, []).append(places)
+        for gyro, parameters in action.acting():
+            generator = stream(seed, *words, gyro_name(gyro))
+            place = Place(facts.run_id, gyro, action.gyros, facts.n_gyros, generator, phase)
+            self._by_stage.setdefault(effect.stage, []).append(_Acting(action, place, parameters))
 
     def _act(self, stage: Stage, rows: Any, time_s: Array, alpha: Array | None = None) -> Any:
-        """`rows` (n, N) with the effects of one stage in it."""
-        before = rows
-        for places in self._by_stage.get(stage, ()):
-            # Crosstalk couples what the gyros read before any of it; columns are exchanged one pair after another.
-            columns = before if stage == Stage.CROSSTALK else rows
-            rows = rows.copy()
-            for action, place, parameters in places:
-                at = self._at(place, time_s, columns, alpha)
-                rows[place.gyro] = action.effect.forward(
-                    columns[place.gyro] if stage == Stage.COLUMNS else rows[place.gyro], parameters, at
-                )
+        """`rows` (n, N), a row a gyro, with the effects of one stage in them."""
+        acting = self._by_stage.get(stage)
+        if not acting:
+            return rows
+        # Crosstalk couples what gyros read before any of it; columns are exchanged entry after entry.
+        before, rows, entry = rows, rows.copy(), acting[0].action
+        for one in acting:
+            if one.action is not entry and stage == Stage.COLUMNS:
+                before, entry = rows.copy(), one.action
+            i = one.place.gyro
+            rows[i] = one.forward(rows[i], self._at(one.place, time_s, before, alpha))
         return rows
 
     def _per_gyro(self, stage: Stage, values: list[Any]) -> list[Any]:
         """One value a gyro, with the effects of a stage in it."""
-        for places in self._by_stage.get(stage, ()):
-            for action, place, parameters in places:
-                at = self._at(place, np.zeros(0), np.zeros(0))
-                values[place.gyro] = action.effect.forward(values[place.gyro], parameters, at)
+        for one in self._by_stage.get(stage, ()):
+            i = one.place.gyro
+            values[i] = one.forward(values[i], self._at(one.place))
         return values
 
     def _common(self, stage: Stage, value: Any) -> Any:
         """A value common to all gyros, with the effects of a stage in it."""
-        for places in self._by_stage.get(stage, ()):
-            for action, place, parameters in places:
-                value = action.effect.forward(value, parameters, self._at(place, np.zeros(0), np.zeros(0)))
+        for one in self._by_stage.get(stage, ()):
+            value = one.forward(value, self._at(one.place))
         return value
 
-    def _at(self, place: Place, time_s: Array, columns: Any, alpha: Array | None = None) -> At:
-        motion = getattr(self, "motion", None) or Motion.nominal(self.facts)
-        axes = getattr(self, "axes", self.facts.axes)
+    def _at(
+        self,
+        place: Place,
+        time_s: Array = _NONE,
+        columns: NDArray[Any] = _NONE,
+        alpha: Array | None = None,
+    ) -> At:
         return At(
             place=place,
             time_s=time_s,
             step_s=1.0 / self.facts.sample_rate_hz,
-            motion=motion,
-            axis=axes[place.gyro],
+            motion=self.motion,
+            axis=self.axes[place.gyro],
             temperature=self.temperature,
             columns=columns,
-            alpha_rad=np.zeros(0) if alpha is None else alpha,
+            alpha_rad=_NONE if alpha is None else alpha,
         )
 
     def _prepare_noise(self, noise: NoiseCoefficients, seed: int) -> GyroNoise:

@@ -1,7 +1,7 @@
 """A capture from mean curves that were published where its raw data were not.
 
-Each gyro's raw volts are ``a + b sin(c t + d) + e t`` (the paper's eq. 7) plus white noise, with missing answers,
-spurious counts and unstable intervals as the curves file states them.
+Each gyro's raw volts are ``a + b sin(c t + d) + e t`` (the paper's eq. 7) plus white noise, with missing
+answers, spurious counts and unstable intervals as the curves file states them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ def curve_volts(curves: Curves, time_s: Array) -> Array:
         np.array(values)[:, None]
         for values in (curves.a_V, curves.b_V, curves.c_rad_s, curves.d_rad, curves.e_V_s)
     )
-    return a + b * np.sin(c * time_s + d) + e * time_s
+    volts: Array = a + b * np.sin(c * time_s + d) + e * time_s
+    return volts
 
 
 def noise_factors(curves: Curves, time_s: Array) -> Array:
@@ -42,7 +43,7 @@ def noise_factors(curves: Curves, time_s: Array) -> Array:
 
 
 def quiet_sigma(curves: Curves, duration_s: float) -> Array:
-    """Noise outside the unstable intervals [V], (n,), such that the whole record's mean square is sigma_V^2."""
+    """Noise outside the unstable intervals [V], (n,): the whole record's mean square is then sigma_V^2."""
     edges = {0.0, duration_s}
     edges |= {t for k in curves.unstable for t in (k.start_s, k.end_s) if 0.0 < t < duration_s}
     times = np.array(sorted(edges))

@@ -1,4 +1,4 @@
-"""The noise of a unit's gyros, block after block: what the calibration record states, and what effects add."""
+"""The noise of a unit's gyros, block after block: what the record states, and what effects add."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.noise import NoiseLevels
-from fogreduce.effects.selection import gyro_name
 from fogreduce.physics.noise import BLOCK, FlickerSource, WalkSource, white_sigma
 from fogreduce.simulate.streams import stream
 
@@ -84,7 +84,7 @@ class GyroNoise:
         return noise
 
     def _mixed(self, unit: Array) -> Array:
-        """Each gyro's combination of independent unit noises, term by term: a gyro left alone keeps its bits."""
+        """Each gyro's mixture of independent unit noises, term by term: a gyro left alone keeps its bits."""
         assert self._mixing is not None
         mixed = np.zeros_like(unit)
         for row, weights in zip(mixed, self._mixing, strict=True):

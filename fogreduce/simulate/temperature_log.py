@@ -1,4 +1,4 @@
-"""A made-up temperature log of a unit that warms up in a laboratory: how the bundled campaigns' logs were made.
+"""A made-up temperature log of a unit that warms up: how the bundled campaigns' logs were made.
 
 ``python -m fogreduce.simulate.temperature_log CAMPAIGN SEED`` writes the log of every run of a campaign. The
 logs are inputs and kept; this is here so that it can be seen where they come from.
@@ -23,15 +23,16 @@ Array = NDArray[np.float64]
 def warm_up(duration_s: float, generator: np.random.Generator) -> tuple[Array, Array, Array]:
     """One row a second of a unit that was switched on a while ago.
 
-    The electronics heat themselves by 9 degC above the room with a time constant of 25 minutes and are seen 10
-    to 40 minutes after power-on; the sensor coils follow the electronics' rise with a share of 0.35 and a lag of
-    10 minutes; the room's air conditioning swings by a few tenths of a degree.
+    The electronics heat themselves by 9 degC above the room with a time constant of 25 minutes and are seen
+    10 to 40 minutes after power-on; the sensor coils follow the electronics' rise with a share of 0.35 and a
+    lag of 10 minutes; the room's air conditioning swings by a few tenths of a degree.
 
     Parameters
     ----------
     duration_s : float
         Length of the run [s].
     generator : numpy.random.Generator
+        Draws what differs from run to run.
 
     Returns
     -------

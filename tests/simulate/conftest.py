@@ -1,0 +1,8 @@
+"""Makes the builders of tests/simulate/simulated_runs.py importable, whatever folder the tests run from."""
+
+import sys
+from pathlib import Path
+
+_BUILDERS = str(Path(__file__).parents[1] / "simulate")
+if _BUILDERS not in sys.path:
+    sys.path.insert(0, _BUILDERS)
