@@ -39,8 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Simulate; the output folder's name on standard output."""
-    from fogreduce.simulate.campaign import Options, simulate_campaign
+    """Simulate; what was made on standard output."""
+    from fogreduce.cli.progress import progress
+    from fogreduce.simulate.campaign import write_campaign
+    from fogreduce.simulate.plan import Options, prepare
 
     if args.out is None:
         raise BadInput.at("--out", "", found="nothing", expected="a folder for the campaign")
@@ -53,6 +55,8 @@ def run(args: argparse.Namespace) -> int:
         draw_uncertainties=args.draw_uncertainties,
         only_runs=tuple(name for name in args.only_runs.split(",") if name),
     )
-    made = simulate_campaign(args.campaign, args.calibrations, args.out, options)
-    print(f"{args.out}: {len(made)} captures simulated")
+    plan = prepare(args.campaign, args.calibrations, options)
+    with progress(plan.n_records, "records") as told:
+        write_campaign(plan, args.out, told)
+    print(f"{args.out}: {len(plan.chosen)} captures simulated")
     return 0

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.effects_file import EffectEntry
-from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.run import Run
 from fogreduce.simulate.streams import stream
 
@@ -84,8 +83,3 @@ def draw_uncertainties(
             turn_on = normal(stated.turn_on_bias_deg_h[i], run_id, gyro, "turn-on bias")
             entries.append(entry("turn_on_bias", gyro, [run_id], deg_h=turn_on))
     return entries
-
-
-def axes_of(run: Run, record: CalibrationRecord) -> Array:
-    """G of the record."""
-    return RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json")).axes

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from fogreduce.errors import BadInput
-
 
 @contextmanager
 def published(out: Path) -> Iterator[Path]:
@@ -28,11 +26,6 @@ def published(out: Path) -> Iterator[Path]:
             _move_files(temporary, whole)
         else:
             temporary.rename(whole)
-    except OSError as error:
-        found = error.strerror or str(error)
-        raise BadInput.at(
-            error.filename or out, "", found=found, expected="a folder that can be written"
-        ) from error
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 

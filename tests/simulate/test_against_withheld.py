@@ -69,9 +69,7 @@ ENTRIES = {
     "rotation_sense": [entry("rotation_sense")],
     "start_offset": [entry("start_offset", s=1.237)],
     "mount_rotation": [entry("mount_rotation", mrad=[0.7, -0.4, 1.1])],
-    "base_motion": [
-        entry("base_motion", deg_h=40.0, frequency_hz=7.3, axis=[0.0, 3.0, 4.0], phase_rad=0.4)
-    ],
+    "base_motion": [entry("base_motion", deg_h=40.0, frequency_hz=7.3, axis=[0.0, 3.0, 4.0], phase_rad=0.4)],
     "bias_offset": [entry("bias_offset", deg_h=1.7)],
     "turn_on_bias": [entry("turn_on_bias", deg_h=-2.7)],
     "bias_ramp": [entry("bias_ramp", deg_h_per_h=30.0)],
@@ -88,15 +86,13 @@ ENTRIES = {
     "magnetic_bias": [entry("magnetic_bias", deg_h=4.0, field_direction=[0.1, 0.8, -0.6])],
     "dead_zone, threshold": [entry("dead_zone", deg_h=100.0, kind="threshold")],
     "dead_zone, subtractive": [entry("dead_zone", deg_h=100.0, kind="subtractive")],
-    "periodic_interference": [
-        entry("periodic_interference", deg_h=9.0, frequency_hz=11.1, phase_rad=1.0)
-    ],
+    "periodic_interference": [entry("periodic_interference", deg_h=9.0, frequency_hz=11.1, phase_rad=1.0)],
     "lost_bits": [entry("lost_bits", bits=5)],
     "adc_nonlinearity": [entry("adc_nonlinearity", volts=1e-4, period_volts=0.03)],
     "saturation": [entry("saturation", volts=0.3)],
     "crosstalk": [entry("crosstalk", ppm=400.0, source="gyro1")],
     "low_pass": [entry("low_pass", time_constant_ms=90.0)],
-    "low_pass, far below a sample": [entry("low_pass", time_constant_ms=0.5)],
+    "low_pass, below a sample": [entry("low_pass", time_constant_ms=5.0)],
     "clock_error": [entry("clock_error", ppm=70.0)],
     "latency": [entry("latency", ms=333.0)],
     "channel_swap": [entry("channel_swap", **{"with": "gyro3"})],
