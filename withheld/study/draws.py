@@ -307,9 +307,9 @@ _POSITIVE = (
 
 
 def amplitude(entry: Entry) -> float:
-    """The main parameter; of a vector, its length."""
+    """Size of the main parameter, without its sign; of a vector, its length."""
     value = entry.parameters[LAWS[entry.effect].main]
-    return float(np.linalg.norm(value)) if isinstance(value, list) else float(value)
+    return float(np.linalg.norm(value)) if isinstance(value, list) else abs(float(value))
 
 
 def with_amplitude(entry: Entry, value: float) -> Entry:
