@@ -69,4 +69,6 @@ def console() -> None:
     """Entry point of the installed command."""
     # One thread of linear algebra: the matrices are small, and starting threads costs 80 ms.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Pydantic's plugins, of which there are none, are looked for in every installed package: 25 ms.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     sys.exit(main())

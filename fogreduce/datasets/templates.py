@@ -69,7 +69,7 @@ def ingest_variables(facts: RunFacts, *, has_counts: bool) -> list[Variable]:
         volts = Variable("volts", ("gyro", "time"), "<i4", {**described, **packing})
     else:
         volts = Variable("volts", ("gyro", "time"), "<f8", described)
-    pulse = Variable("pulse", ("time",), "<i8", {"long_name": "number of the stimulus pulse", "units": "1"})
+    pulse = Variable("pulse", ("time",), "<u4", {"long_name": "number of the stimulus pulse", "units": "1"})
     return [time_variable(facts), pulse, volts, RECORD_FLAG, GYRO_FLAG]
 
 

@@ -61,6 +61,13 @@ class Bins:
             )
         )
 
+    def stacked(self, other: Bins) -> Bins:
+        """The same bins with the channels of `other` after these."""
+        names = ("count", "mean", "scatter", "lowest", "highest")
+        return Bins(
+            self.time_s, *(np.concatenate((getattr(self, name), getattr(other, name))) for name in names)
+        )
+
 
 def bins_of(time_s: Array, values: Array, usable: NDArray[np.bool_] | None, size: int) -> Bins:
     """Bins of a block.
@@ -89,27 +96,35 @@ def _cut(usable: NDArray[np.bool_] | None, start: int, stop: int | None) -> NDAr
 
 
 def _bins(time_s: Array, values: Array, usable: NDArray[np.bool_] | None, size: int) -> Bins:
-    channels = len(values)
-    cells = values.reshape(channels, -1, size)
+    cells = values.reshape(len(values), -1, size)
     time = time_s.reshape(-1, size).mean(axis=1)
-    if usable is None or usable.all():
-        mean = cells.mean(axis=2)
-        left = cells - mean[:, :, None]
-        squares = np.einsum("cms,cms->cm", left, left)
-        count = np.full(mean.shape, float(size))
-        scatter = np.sqrt(squares / (size - 1)) if size > 1 else np.full(mean.shape, np.nan)
-        return Bins(time, count, mean, scatter, cells.min(axis=2), cells.max(axis=2))
-    good = usable.reshape(cells.shape)
-    count = good.sum(axis=2).astype(np.float64)
-    mean = _divide(np.where(good, cells, 0.0).sum(axis=2), count)
-    left = np.where(good, cells - mean[:, :, None], 0.0)
-    scatter = np.sqrt(_divide((left**2).sum(axis=2), count - 1))
-    there = ~np.isnan(cells)
-    lowest = np.where(there, cells, np.inf).min(axis=2)
-    highest = np.where(there, cells, -np.inf).max(axis=2)
-    empty = ~there.any(axis=2)
+    mean = cells.mean(axis=2)
+    left = cells - mean[:, :, None]
+    count = np.full(mean.shape, float(size))
+    scatter = np.sqrt(_divide(np.einsum("cms,cms->cm", left, left), count - 1))
+    bins = Bins(time, count, mean, scatter, cells.min(axis=2), cells.max(axis=2))
+    if usable is not None:
+        good = usable.reshape(cells.shape)
+        odd = np.nonzero(~good.all(axis=2))
+        _mend(bins, odd, cells[odd], good[odd])
+    return bins
+
+
+def _mend(bins: Bins, odd: tuple[NDArray[np.intp], ...], values: Array, good: NDArray[np.bool_]) -> None:
+    """The bins in which some values do not count, done again: values and which of them count, (k, size)."""
+    count = good.sum(axis=1).astype(np.float64)
+    mean = _divide(np.where(good, values, 0.0).sum(axis=1), count)
+    left = np.where(good, values - mean[:, None], 0.0)
+    there = ~np.isnan(values)
+    empty = ~there.any(axis=1)
+    lowest = np.where(there, values, np.inf).min(axis=1)
+    highest = np.where(there, values, -np.inf).max(axis=1)
     lowest[empty] = highest[empty] = np.nan
-    return Bins(time, count, mean, scatter, lowest, highest)
+    bins.count[odd] = count
+    bins.mean[odd] = mean
+    bins.scatter[odd] = np.sqrt(_divide(np.einsum("ks,ks->k", left, left), count - 1))
+    bins.lowest[odd] = lowest
+    bins.highest[odd] = highest
 
 
 def _divide(values: Array, counts: Array) -> Array:

@@ -188,25 +188,30 @@ class CurveSums:
         usable : (channels, N) array of bool or None
             Which values count; None = all.
         """
-        if usable is None:
-            self._note_reference(values, None)
-            self._add_all(columns, values - self._reference[:, None], slice(None))
+        if values.shape[1] == 0:
             return
         self._note_reference(values, usable)
-        shifted = np.where(usable, values - np.nan_to_num(self._reference)[:, None], 0.0)
-        together = usable.all(axis=0)
-        self._add_all(columns * together, shifted * together, slice(None), int(together.sum()))
-        for channel in np.flatnonzero((usable & ~together).any(axis=1)):
-            alone = usable[channel] & ~together
-            self._add_all(columns[:, alone], shifted[[channel]][:, alone], [channel])
+        shifted = values - np.nan_to_num(self._reference)[:, None]
+        records = values.shape[1]
+        if usable is not None:
+            # Few records are out of the ordinary: leave them out here, then add what counts of each channel.
+            odd = np.flatnonzero(~usable.all(axis=0))
+            records -= odd.size
+            odd_columns, odd_shifted = columns[:, odd], shifted[:, odd]
+            columns = columns.copy()
+            columns[:, odd] = shifted[:, odd] = 0.0
+            for channel in range(len(values)):
+                alone = usable[channel, odd]
+                if alone.any():
+                    part = odd_shifted[channel : channel + 1, alone]
+                    self._add(odd_columns[:, alone], part, slice(channel, channel + 1), int(alone.sum()))
+        self._add(columns, shifted, slice(None), records)
 
-    def _add_all(
-        self, columns: Array, values: Array, channels: slice | list[int], records: int | None = None
-    ) -> None:
+    def _add(self, columns: Array, values: Array, channels: slice, records: int) -> None:
         self._zz[channels] += columns @ columns.T
         self._zy[channels] += values @ columns.T
         self._yy[channels] += np.einsum("cn,cn->c", values, values)
-        self._records[channels] += values.shape[1] if records is None else records
+        self._records[channels] += records
 
     def _note_reference(self, values: Array, usable: NDArray[np.bool_] | None) -> None:
         """A value near each channel's mean, taken away before squares are summed."""

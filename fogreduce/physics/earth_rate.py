@@ -43,9 +43,11 @@ class EarthPart:
 
     def at(self, alpha_rad: Array) -> Array:
         """Earth's part [deg/s], (3, N), at table angles alpha [rad], (N,)."""
-        part = np.outer(self.cosine, np.cos(alpha_rad))
-        part += np.outer(self.sine, np.sin(alpha_rad))
-        part += self.constant[:, None]
+        terms = np.empty((3, alpha_rad.size))
+        terms[0] = 1.0
+        np.cos(alpha_rad, out=terms[1])
+        np.sin(alpha_rad, out=terms[2])
+        part: Array = np.column_stack((self.constant, self.cosine, self.sine)) @ terms
         return part
 
 

@@ -24,7 +24,6 @@ from fogreduce.estimate.mean_curve import CurveBasis, CurveFit, CurveSums, curve
 from fogreduce.estimate.unstable import Unstable, unstable_intervals
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.stages.ingest import usable_gyros
-from fogreduce.stages.setup import seconds
 
 NAME = "fit"
 
@@ -36,13 +35,15 @@ _LEAST_BINS = 16  # fewer do not tell coloured noise from white
 
 @dataclass(frozen=True)
 class Segment:
-    """A segment of constant commanded rate and the sums over it; channels are gyros, then axes."""
+    """A segment of constant commanded rate, the curve's basis on it and the sums of gyros and of axes."""
 
     number: int
     start_s: float
     stop_s: float
     rate_deg_s: float
-    sums: CurveSums
+    basis: CurveBasis
+    gyros: CurveSums
+    axes: CurveSums
 
 
 @dataclass(frozen=True)
@@ -87,21 +88,18 @@ class Fit:
     n_records: int
     block_records: int
     guard_s: float
-    _bins: list[Bins] = field(default_factory=list)
+    _gyro_bins: list[Bins] = field(default_factory=list)
+    _axis_bins: list[Bins] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         profile = self.facts.profile
-        edges = profile.edges_s
-        self.segments = [
-            Segment(
-                k + 1,
-                float(edges[k]),
-                float(edges[k + 1]),
-                float(rate),
-                CurveSums(CurveBasis.of(edges[k], edges[k + 1], float(rate)), len(self.channels)),
-            )
-            for k, rate in enumerate(profile.rate_deg_s)
-        ]
+        edges = profile.edges_s.tolist()
+        n = self.facts.n_gyros
+        self.segments = []
+        for k, rate in enumerate(profile.rate_deg_s.tolist()):
+            basis = CurveBasis.of(edges[k], edges[k + 1], rate)
+            sums = CurveSums(basis, n), CurveSums(basis, len(self.channels) - n)
+            self.segments.append(Segment(k + 1, edges[k], edges[k + 1], rate, basis, *sums))
         self._size = bin_size(self.n_records, self.facts.sample_rate_hz, self.block_records)
 
     @property
@@ -111,34 +109,26 @@ class Fit:
 
     def add(
         self,
-        time_us: NDArray[np.int64],
+        time_s: Array,
         flag: NDArray[np.uint8],
         gyro_flag: NDArray[np.uint8],
         volts: Array,
         rates: Array | None,
     ) -> None:
-        """Add a block: stamps (N,), flags (N,) and (n, N), volts (n, N) and rates (3, N) or None."""
-        time_s = seconds(time_us)
-        values = volts if rates is None else np.concatenate((volts, rates))
-        usable = self._usable(flag, gyro_flag, rates is not None)
-        self._bins.append(bins_of(time_s, values, usable, self._size))
-        if len(self.segments) == 1:
-            sums = self.segments[0].sums
-            sums.add(sums.basis.columns(time_s), values, usable)
-            return
+        """Add a block: times [s] (N,), flags (N,) and (n, N), volts (n, N) and rates (3, N) or None."""
+        usable = usable_gyros(flag, gyro_flag)
+        self._gyro_bins.append(bins_of(time_s, volts, usable, self._size))
+        usable_axes = None
+        if rates is not None:
+            if usable is not None:
+                usable_axes = np.broadcast_to((flag & UNUSABLE_AXES) == 0, rates.shape)
+            self._axis_bins.append(bins_of(time_s, rates, usable_axes, self._size))
         for segment in self.segments:
-            inside = self._inside(segment, time_s)
-            if inside.any():
-                part = None if usable is None else usable[:, inside]
-                columns = segment.sums.basis.columns(time_s[inside])
-                segment.sums.add(columns, values[:, inside], part)
-
-    def _usable(self, flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8], has_axes: bool) -> Mask | None:
-        gyros = usable_gyros(flag, gyro_flag)
-        if gyros is None or not has_axes:
-            return gyros
-        axes = (flag & UNUSABLE_AXES) == 0
-        return np.concatenate((gyros, np.broadcast_to(axes, (3, axes.size))))
+            inside = slice(None) if len(self.segments) == 1 else self._inside(segment, time_s)
+            columns = segment.basis.columns(time_s[inside])
+            segment.gyros.add(columns, volts[:, inside], _part(usable, inside))
+            if rates is not None:
+                segment.axes.add(columns, rates[:, inside], _part(usable_axes, inside))
 
     def _inside(self, segment: Segment, time_s: Array) -> Mask:
         """Which times lie in a segment, the guard of the edges between segments left out."""
@@ -150,7 +140,8 @@ class Fit:
 
     def bins(self) -> Bins:
         """The whole run in bins, all channels."""
-        return Bins.joined(self._bins)
+        gyros = Bins.joined(self._gyro_bins)
+        return gyros.stacked(Bins.joined(self._axis_bins)) if self._axis_bins else gyros
 
     def unstable(self, bins: Bins, threshold: float, min_duration_s: float) -> list[Unstable]:
         """Intervals in which a gyro is unstable, see `unstable_intervals`."""
@@ -171,7 +162,8 @@ class Fit:
         ]
 
     def _channel_fit(self, segment: Segment, channel: int, bins: Bins) -> ChannelFit | None:
-        fitted = segment.sums.fit(channel)
+        n = self.facts.n_gyros
+        fitted = segment.gyros.fit(channel) if channel < n else segment.axes.fit(channel - n)
         if fitted is None:
             return None
         time_s = bins.time_s
@@ -182,15 +174,19 @@ class Fit:
         if np.count_nonzero(np.isfinite(mean)) < _LEAST_BINS:
             return ChannelFit(self.channels[channel], fitted, None, None)
         time_s = time_s[inside]
-        columns = segment.sums.basis.columns(time_s)
+        columns = segment.basis.columns(time_s)
         # A bin's mean of the sine is its middle value times sinc of half the turn within the bin.
         flattened = fitted.with_rate.copy()
         flattened[1:3] *= np.sinc(fitted.rate_rad_s * self.bin_s / (2 * np.pi))
         left = mean - curve(time_s, flattened)
         noise = fit_noise(*allan_variance(left, self.bin_s))
         covariance = coefficient_covariance(columns, noise, self.bin_s)
-        to_theta = segment.sums.basis.to_theta
+        to_theta = segment.basis.to_theta
         return ChannelFit(self.channels[channel], fitted, to_theta @ covariance @ to_theta.T, noise)
+
+
+def _part(usable: Mask | None, inside: slice | Mask) -> Mask | None:
+    return None if usable is None else usable[:, inside]
 
 
 def as_plain(fits: list[SegmentFit], unstable: list[Unstable], bin_s: float) -> dict[str, Any]:

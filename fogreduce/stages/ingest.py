@@ -114,13 +114,14 @@ class Ingest:
     def _note(
         self, reader: Reader, raw: RawBlock, flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8]
     ) -> None:
+        odd = np.flatnonzero(flag)
         for kind in RecordFlag:
             if kind not in _SAID_BY_GYROS:
-                self._add(str(kind.name).lower(), np.flatnonzero(flag & kind), reader, raw)
-        for gyro, flags in enumerate(gyro_flag):
+                self._add(str(kind.name).lower(), odd[(flag[odd] & kind) != 0], reader, raw)
+        for gyro, flags in enumerate(gyro_flag[:, odd]):
             for gyro_kind in GyroFlag:
                 name = f"{str(gyro_kind.name).lower()}_gyro{gyro + 1}"
-                self._add(name, np.flatnonzero(flags & gyro_kind), reader, raw)
+                self._add(name, odd[(flags & gyro_kind) != 0], reader, raw)
 
     def _add(self, name: str, found: NDArray[np.intp], reader: Reader, raw: RawBlock) -> None:
         if found.size == 0:
@@ -158,12 +159,14 @@ class Ingest:
 
 def _filled(values: Values, missing: NDArray[np.bool_]) -> Values:
     """Missing values replaced by the one before (the first ones by the first that is there, or 0)."""
-    index = np.where(missing, -1, np.arange(values.shape[1]))
-    np.maximum.accumulate(index, axis=1, out=index)
-    first = np.argmax(~missing, axis=1)
-    index = np.where(index < 0, first[:, None], index)
-    filled = np.take_along_axis(values, index, axis=1)
-    filled[missing.all(axis=1)] = 0
+    filled = values.copy()
+    for gyro in np.flatnonzero(missing.any(axis=1)):
+        gaps, there = np.flatnonzero(missing[gyro]), np.flatnonzero(~missing[gyro])
+        if there.size:
+            before = np.maximum(np.searchsorted(there, gaps) - 1, 0)
+            filled[gyro, gaps] = values[gyro, there[before]]
+        else:
+            filled[gyro] = 0
     return filled
 
 

@@ -57,15 +57,14 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records:
             write_ingest(raw, block)
             gyro_rates = calibrate(facts, block.volts)
             write_gyro_rates(gyro, block, gyro_rates)
-            rates = None
+            time_s = seconds(block.time_us)
+            axis_rates = rates = None
             if setup.axes:
                 axis_rates = project(facts, gyro_rates)
-                rates = remove_earth(facts, angle, seconds(block.time_us), axis_rates)
-                write_axis_rates(axis, block.start, block.time_us, block.flag, axis_rates)
-            else:
-                write_axis_rates(axis, block.start, block.time_us, block.flag, None)
+                rates = remove_earth(facts, angle, time_s, axis_rates)
+            write_axis_rates(axis, block.start, block.time_us, block.flag, axis_rates)
             write_axis_rates(table, block.start, block.time_us, block.flag, rates)
-            fit.add(block.time_us, block.flag, block.gyro_flag, block.volts, rates)
+            fit.add(time_s, block.flag, block.gyro_flag, block.volts, rates)
             progress(block.start + block.time_us.size)
     _finish_ingest(setup, run_dir, ingest, reader)
     _finish_fit(setup, fit)
@@ -123,7 +122,7 @@ def run_fit(setup: Setup) -> None:
             else iter(lambda: None, 0)
         )
         for block, rates in zip(_ingested(setup, source), rates_by_block, strict=False):
-            fit.add(block.time_us, block.flag, block.gyro_flag, block.volts, rates)
+            fit.add(seconds(block.time_us), block.flag, block.gyro_flag, block.volts, rates)
     _finish_fit(setup, fit)
 
 
