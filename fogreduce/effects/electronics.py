@@ -92,7 +92,7 @@ EFFECTS = (
         "v_i clipped to +-value",
         saturation,
         "a converter's range: 1.25, 2.5, 5 or 10 V; a unit's rate range of 100 to 500 deg/s",
-        (Parameter("volts", "V", "value", off=math.inf, low=0.0, high=math.inf, realistic=(0.05, 10.0)),),
+        (Parameter("volts", "V", "value", off=1e12, low=0.0, realistic=(0.05, 10.0)),),
         {"volts": 4.3e-3},
     ),
     Effect(

@@ -203,10 +203,10 @@ class _Check:
     def number(self, key: str, parameter: Parameter, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
             self.wrong(key, value, "a number")
-            return parameter.low
+            return float(parameter.low)
         if not parameter.low <= value <= parameter.high:
             self.wrong(key, value, f"{parameter.low:g} to {parameter.high:g}")
-            return parameter.low
+            return float(parameter.low)
         return float(value)
 
     def together(self, effect: Effect, gyros: tuple[int, ...], parameters: Mapping[str, Any]) -> None:

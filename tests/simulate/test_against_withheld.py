@@ -109,7 +109,7 @@ ENTRIES = {
         entry("clock_error", ppm=70.0),
     ],
 }
-#: What is random: the bench's draws are its own, and only statistics can be compared (test_effects_random.py).
+#: What is random: the bench's draws are its own; tests/effects/test_meaning.py looks at the statistics.
 RANDOM = {
     "angle_random_walk", "bias_instability", "rate_random_walk", "common_noise",
     "stuck_samples", "spikes", "dropouts",
