@@ -1,0 +1,34 @@
+"""From raw captures to drift: every campaign of the configuration, a node for each run and stage."""
+
+import os
+import sys
+
+# The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
+os.environ["PATH"] = (
+    os.path.dirname(sys.executable) + os.pathsep + os.environ.get("PATH", "")
+)
+
+
+configfile: "workflow/config.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/captures.smk"
+include: "workflow/rules/reduction.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/summary.smk"
+include: "workflow/rules/withheld.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        summary_tables(),
+        expand(run_file("tables/drift.csv"), zip, **run_wildcards()),
+        expand(run_file("figures"), zip, **run_wildcards())
+        if CONFIG.figures.enabled
+        else [],
+
+
+onerror:
+    print(failed_runs(), file=sys.stderr)

@@ -1,0 +1,31 @@
+"""``snakemake --lint``, its wish for a software environment per rule aside: all rules share one environment."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ASIDE = "Specify a conda environment or container for each rule."
+
+
+def main() -> int:
+    """Exit status 0 where nothing but the aside is wished for."""
+    snakemake = Path(sys.executable).with_name("snakemake")
+    done = subprocess.run([snakemake, "--lint"], capture_output=True, text=True, check=False)
+    text = done.stdout + done.stderr
+    if "Lints for" not in text and "Congratulations" not in text:
+        print(text, file=sys.stderr)
+        return 1
+    place, wishes = "", []
+    for line in text.splitlines():
+        if line.startswith("Lints for "):
+            place = line.removeprefix("Lints for ")
+        elif line.startswith("    * ") and ASIDE not in line:
+            wishes.append(f"{place} {line.strip(' *')}")
+    print("\n".join(wishes) or "snakemake --lint: nothing to wish for", file=sys.stderr)
+    return 1 if wishes else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

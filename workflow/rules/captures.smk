@@ -1,0 +1,24 @@
+"""Captures that are not kept but made, where campaign.yaml says `captures_from`."""
+
+
+rule make_capture:
+    input:
+        campaign=lambda wildcards: f"{CONFIG.campaigns_dir}/{wildcards.campaign}/campaign.yaml",
+        run=lambda wildcards: f"{CONFIG.campaigns_dir}/{wildcards.campaign}/runs/{wildcards.run}/run.yaml",
+        calibrations=calibration_inputs,
+    output:
+        directory(f"{MADE}/{{campaign}}/runs/{{run}}"),
+    log:
+        run_file("logs/capture.log"),
+    benchmark:
+        run_file("benchmarks/capture.tsv")
+    params:
+        code=code_digest(
+            ("simulate", "effects", "physics", "metadata", "constants.py", "units.py")
+        ),
+        folder=lambda wildcards: f"{CONFIG.campaigns_dir}/{wildcards.campaign}",
+        calibrations=CONFIG.calibrations_dir,
+        out=lambda wildcards: f"{MADE}/{wildcards.campaign}",
+    shell:
+        "fogreduce simulate {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
+        " --only-runs {wildcards.run} > {log:q} 2>&1"

@@ -1,0 +1,25 @@
+"""Figures of a run."""
+
+
+rule figures:
+    input:
+        run=run_inputs,
+        manifest=run_file("manifest.json"),
+        bins=run_file("datasets/bins.nc"),
+        fit=run_file("reports/fit.json"),
+        ingest=run_file("reports/ingest.json"),
+        drift=run_file("tables/drift.csv"),
+    output:
+        directory(run_file("figures")),
+    log:
+        run_file("logs/figures.log"),
+    benchmark:
+        run_file("benchmarks/figures.tsv")
+    params:
+        code=code_digest(("figures",)),
+        folder=run_folder,
+        out=run_results,
+        formats=",".join(CONFIG.figures.formats),
+    shell:
+        "fogreduce figures --run {params.folder:q} --out {params.out:q} --formats {params.formats}"
+        " > {log:q} 2>&1"

@@ -1,0 +1,129 @@
+"""The reduction of a run: manifest, then a node for each stage, in the order of the data flow."""
+
+
+rule manifest:
+    input:
+        run=run_inputs,
+        calibrations=calibration_inputs,
+    output:
+        run_file("manifest.json"),
+    log:
+        run_file("logs/manifest.log"),
+    benchmark:
+        run_file("benchmarks/manifest.tsv")
+    params:
+        code=code_digest(),
+        folder=run_folder,
+        out=run_results,
+        calibrations=CONFIG.calibrations_dir,
+        parameters=CONFIG.reduction.model_dump_json(),
+    shell:
+        "fogreduce manifest {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
+        " --parameters {params.parameters:q} > {log:q} 2>&1"
+
+
+rule ingest:
+    input:
+        run=run_inputs,
+        manifest=run_file("manifest.json"),
+    output:
+        run_file("datasets/ingest.nc"),
+        run_file("reports/ingest.json"),
+        run_file("tables/quality.csv"),
+        run_file("tables/encoder.csv"),
+    log:
+        run_file("logs/ingest.log"),
+    benchmark:
+        run_file("benchmarks/ingest.tsv")
+    params:
+        folder=run_folder,
+        out=run_results,
+    shell:
+        "fogreduce stage ingest --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
+
+
+rule calibrate:
+    input:
+        manifest=run_file("manifest.json"),
+        dataset=run_file("datasets/ingest.nc"),
+    output:
+        run_file("datasets/calibrate.nc"),
+    log:
+        run_file("logs/calibrate.log"),
+    benchmark:
+        run_file("benchmarks/calibrate.tsv")
+    params:
+        out=run_results,
+    shell:
+        "fogreduce stage calibrate --out {params.out:q} > {log:q} 2>&1"
+
+
+rule project:
+    input:
+        manifest=run_file("manifest.json"),
+        dataset=run_file("datasets/calibrate.nc"),
+    output:
+        run_file("datasets/project.nc"),
+    log:
+        run_file("logs/project.log"),
+    benchmark:
+        run_file("benchmarks/project.tsv")
+    params:
+        out=run_results,
+    shell:
+        "fogreduce stage project --out {params.out:q} > {log:q} 2>&1"
+
+
+rule remove_earth:
+    input:
+        run=run_inputs,
+        manifest=run_file("manifest.json"),
+        dataset=run_file("datasets/project.nc"),
+    output:
+        run_file("datasets/remove_earth.nc"),
+    log:
+        run_file("logs/remove_earth.log"),
+    benchmark:
+        run_file("benchmarks/remove_earth.tsv")
+    params:
+        folder=run_folder,
+        out=run_results,
+    shell:
+        "fogreduce stage remove_earth --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
+
+
+rule fit:
+    input:
+        manifest=run_file("manifest.json"),
+        raw=run_file("datasets/ingest.nc"),
+        rates=run_file("datasets/remove_earth.nc"),
+    output:
+        run_file("datasets/bins.nc"),
+        run_file("reports/fit.json"),
+        run_file("tables/gyro_fit.csv"),
+        run_file("tables/rate_fit.csv"),
+        run_file("tables/unstable.csv"),
+    log:
+        run_file("logs/fit.log"),
+    benchmark:
+        run_file("benchmarks/fit.tsv")
+    params:
+        out=run_results,
+    shell:
+        "fogreduce stage fit --out {params.out:q} > {log:q} 2>&1"
+
+
+rule drift:
+    input:
+        manifest=run_file("manifest.json"),
+        fit=run_file("reports/fit.json"),
+    output:
+        run_file("tables/drift.csv"),
+    log:
+        run_file("logs/drift.log"),
+    benchmark:
+        run_file("benchmarks/drift.tsv")
+    params:
+        out=run_results,
+    shell:
+        "fogreduce stage drift --out {params.out:q} > {log:q} 2>&1"
