@@ -2,10 +2,11 @@
 
 import os
 import sys
+from pathlib import Path
 
 # The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
-os.environ["PATH"] = (
-    os.path.dirname(sys.executable) + os.pathsep + os.environ.get("PATH", "")
+os.environ.update(
+    PATH=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 )
 
 
