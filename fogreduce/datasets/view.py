@@ -1,0 +1,141 @@
+"""The lazy view of a reduced run: every stage's dataset as one xarray Dataset.
+
+xarray is imported here and nowhere else on the way of a reduction: its import alone costs a second.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fogreduce.errors import BadInput
+
+#: Stage -> what its variables are called in the view, where that is not what they are called in the file.
+STAGES: dict[str, dict[str, str]] = {
+    "ingest": {},
+    "calibrate": {},
+    "project": {"axis_rate": "axis_rate_with_earth"},
+    "remove_earth": {},
+}
+
+_EXPECTED = "a run's results folder (as `fogreduce reduce --out` or the workflow leaves it)"
+
+
+def open_run(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Open the results of a run, lazily: only the time stamps and labels are read at once.
+
+    Parameters
+    ----------
+    path : path
+        The run's results folder, for instance ``results/published/x-one-turn``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions ``time`` (records, in file order), ``gyro`` and ``axis``; variables
+
+        ======================== ============== ========== ==================================================
+        ``volts``                (gyro, time)   V          raw volts; NaN = no answer; spurious ones stand
+        ``pulse``                (time)         1          number of the stimulus pulse
+        ``flag``                 (time)         bit mask   why a record is out of the ordinary (`RecordFlag`)
+        ``gyro_flag``            (gyro, time)   bit mask   why a sample is (`GyroFlag`)
+        ``gyro_rate``            (gyro, time)   degree s-1 rate about each input axis (eq. 1)
+        ``axis_rate_with_earth`` (axis, time)   degree s-1 rate about x, y, z (eq. 2)
+        ``axis_rate``            (axis, time)   degree s-1 the same, Earth's rate taken away (eq. 6)
+        ======================== ============== ========== ==================================================
+
+        A unit of one or two gyros has no ``axis_rate`` and no ``axis_rate_with_earth``. ``time`` is UTC,
+        exact to the microsecond, as stamped; a stamp that no calendar holds is NaT (its record is flagged
+        ``bad_stamp``). Attributes are those of the datasets: version id, unit, calibration and so on.
+        Close it, or use it in a ``with`` block, to close the files.
+
+    Raises
+    ------
+    BadInput
+        The folder holds no results of a run, or only some, or some of another version.
+    """
+    folder = Path(path)
+    if not folder.is_dir():
+        raise BadInput.at(
+            folder, "", found="a file" if folder.exists() else "no such folder", expected=_EXPECTED
+        )
+    parts: dict[str, xr.Dataset] = {}
+    try:
+        for stage in STAGES:
+            parts[stage] = _open_stage(folder / "datasets" / f"{stage}.nc")
+            _same_run(folder, parts, stage)
+        return _merged(parts)
+    except BaseException:
+        _close(parts)
+        raise
+
+
+def _open_stage(path: Path) -> xr.Dataset:
+    if not path.is_file():
+        raise BadInput.at(path, "", found="no such file", expected=f"a dataset of {_EXPECTED}")
+    try:
+        # Times are decoded below: a corrupt stamp must not make the other records unreadable.
+        return xr.open_dataset(path, engine="h5netcdf", decode_times=False)
+    except (OSError, ValueError, KeyError) as error:
+        raise BadInput.at(path, "", found=str(error), expected=f"a dataset of {_EXPECTED}") from None
+
+
+def _same_run(folder: Path, parts: dict[str, xr.Dataset], stage: str) -> None:
+    """Refuse stages of different results, which a run interrupted in between can leave."""
+    first, here = parts["ingest"], parts[stage]
+    for name, found, expected in (
+        ("version_id", here.attrs.get("version_id"), first.attrs.get("version_id")),
+        ("time", here.sizes.get("time"), first.sizes.get("time")),
+    ):
+        if found is None or found != expected:
+            raise BadInput.at(
+                folder / "datasets" / f"{stage}.nc",
+                name,
+                found=found,
+                expected=f"{expected}, as in ingest.nc (reduce the run again)",
+            )
+
+
+def _merged(parts: dict[str, xr.Dataset]) -> xr.Dataset:
+    variables: dict[str, xr.Variable] = {}
+    coordinates: dict[str, xr.Variable] = {}
+    for stage, names in STAGES.items():
+        part = parts[stage]
+        for name, variable in part.variables.items():
+            if name in part.dims:
+                coordinates.setdefault(str(name), variable)
+            else:
+                variables.setdefault(names.get(str(name), str(name)), variable)
+    coordinates["time"] = _decoded(coordinates["time"])
+    attributes = {key: value for key, value in parts["remove_earth"].attrs.items() if key != "left_out"}
+    view = xr.Dataset(variables, coordinates, attributes)
+    view.set_close(lambda: _close(parts))
+    return view
+
+
+def _close(parts: dict[str, xr.Dataset]) -> None:
+    for part in parts.values():
+        part.close()
+
+
+def _decoded(time: xr.Variable) -> xr.Variable:
+    """Stamps as datetime64[us], in whole numbers throughout."""
+    attributes = dict(time.attrs)
+    since = np.datetime64(attributes.pop("units").removeprefix("microseconds since ").replace(" ", "T"), "us")
+    attributes.pop("calendar", None)
+    return xr.Variable(time.dims, _instants(since, np.asarray(time.values, np.int64)), attributes)
+
+
+def _instants(since: np.datetime64, stamps_us: NDArray[np.int64]) -> NDArray[np.datetime64]:
+    """`since` plus stamps [us]; NaT where the sum does not fit."""
+    start = int(since.astype(np.int64))
+    latest = np.iinfo(np.int64).max - max(start, 0)
+    earliest = np.iinfo(np.int64).min + 1 - min(start, 0)
+    fits = (stamps_us >= earliest) & (stamps_us <= latest)
+    instants: NDArray[np.datetime64] = (np.where(fits, stamps_us, 0) + start).astype("datetime64[us]")
+    instants[~fits] = np.datetime64("NaT")
+    return instants

@@ -1,0 +1,185 @@
+"""What stated uncertainties allow: linear propagation of calibration, mounting, site and table to x, y, z.
+
+Each stated standard deviation, put alone into the forward physics and reduced nominally, adds some function
+of time to the rates with Earth's part taken away. A fitted mean curve is linear in what is added, so its
+coefficients, and with them mean rate and drift, have a covariance that is a sum over the sources. Noise is
+not in it: that is the curve's own covariance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.estimate.mean_curve import CurveBasis, integral_terms
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.alignment import axis_rates_from_gyro_rates, gyro_rates_from_axis_rates
+from fogreduce.physics.earth_rate import add_earth_rate
+from fogreduce.physics.frames import DIRECTIONS_ENU, rotation
+from fogreduce.physics.table_motion import Profile, table_rates
+
+if TYPE_CHECKING:
+    from fogreduce.metadata.calibration import CalibrationRecord
+    from fogreduce.metadata.run import Run
+
+Array = NDArray[np.float64]
+
+_GRID = 512  # times a segment on which departures are worked out: they change no faster than the table turns
+_GRID_A_TURN = 24
+
+
+@dataclass(frozen=True)
+class StatedErrors:
+    """Standard deviations that a run and its calibration record state.
+
+    Attributes
+    ----------
+    scale_factor_rel, bias_V, axis_rad, turn_on_bias_deg_h : (n,) arrays
+        Of each gyro; `axis_rad` in each of two directions at right angles to its axis.
+    azimuth_deg, latitude_deg, table_rate_ppm : float
+    """
+
+    scale_factor_rel: Array
+    bias_V: Array
+    axis_rad: Array
+    turn_on_bias_deg_h: Array
+    azimuth_deg: float
+    latitude_deg: float
+    table_rate_ppm: float
+
+    @classmethod
+    def of(cls, run: Run, record: CalibrationRecord) -> StatedErrors:
+        """From the metadata models, the project's defaults where the record is silent."""
+        stated = record.stated_uncertainty
+        return cls(
+            np.array(stated.scale_factor_rel, float),
+            np.array(stated.bias_V, float),
+            np.array(stated.axis_rad, float),
+            np.array(stated.turn_on_bias_deg_h, float),
+            run.azimuth_uncertainty_deg,
+            run.site.latitude_uncertainty_deg,
+            run.table.rate_uncertainty_ppm,
+        )
+
+
+def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
+    """What each source, at one standard deviation, adds to the rates with Earth's part taken away.
+
+    Parameters
+    ----------
+    facts : RunFacts
+        Of a unit of three gyros or more.
+    stated : StatedErrors
+        One standard deviation of each source.
+    time_s : (N,) array
+        Times from the run's start [s].
+
+    Returns
+    -------
+    (sources, 3, N) array
+        [deg/s]: scale factor, bias, axis (two directions) and turn-on bias of each gyro; then azimuth,
+        latitude and table rate.
+    """
+    assert facts.projection is not None
+    n = facts.n_gyros
+    axis_rates = _axis_rates(facts, time_s)
+    readings = gyro_rates_from_axis_rates(axis_rates, facts.axes)
+    one = np.ones_like(time_s)
+    found = []
+    for i in range(n):
+        directions = across(facts.axes[i])
+        alone = [
+            stated.scale_factor_rel[i] * readings[i],
+            stated.bias_V[i] / facts.scale_factor[i] * one,
+            *(stated.axis_rad[i] * (direction @ axis_rates) for direction in directions),
+            stated.turn_on_bias_deg_h[i] / SECONDS_PER_HOUR * one,
+        ]
+        for added in alone:
+            departure = np.zeros((n, time_s.size))
+            departure[i] = added
+            found.append(axis_rates_from_gyro_rates(departure, facts.projection))
+    # The true motion differs; gyros and reduction are nominal, so H G = 1 passes it on as it is.
+    for change in (_azimuth(stated), _latitude(stated), _table_rate(stated)):
+        high, low = (_axis_rates(change(facts, sign), time_s) for sign in (1.0, -1.0))
+        through = gyro_rates_from_axis_rates((high - low) / 2, facts.axes)
+        found.append(axis_rates_from_gyro_rates(through, facts.projection))
+    return np.array(found)
+
+
+def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int) -> Array:
+    """Covariance of the mean curve's coefficients that the stated uncertainties allow.
+
+    Parameters
+    ----------
+    facts, stated :
+        As `departures` takes them.
+    segment : int
+        Of the profile, from 1.
+
+    Returns
+    -------
+    (3, 4, 4) array
+        Of theta = (a, p, q, e) of each axis (see `fogreduce.estimate.mean_curve`); add it to that of noise.
+    """
+    edges = facts.profile.edges_s
+    start, stop = float(edges[segment - 1]), float(edges[segment])
+    rate = float(facts.profile.rate_deg_s[segment - 1])
+    turns = abs(rate) * (stop - start) / 360.0
+    cells = max(_GRID, int(_GRID_A_TURN * turns))
+    # Middles of cells: none lies on an edge, where the rate would be another segment's.
+    time_s = start + (stop - start) * (np.arange(cells) + 0.5) / cells
+    basis = CurveBasis.of(start, stop, rate)
+    columns = basis.columns(time_s)
+    to_theta = basis.to_theta @ np.linalg.inv(columns @ columns.T) @ columns
+    theta = np.einsum("kt,sat->ask", to_theta, departures(facts, stated, time_s))
+    covariance: Array = np.einsum("asj,ask->ajk", theta, theta)
+    return covariance
+
+
+def mean_rate_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
+    """(4,): the mean of the curve from start to stop [s] is these times theta."""
+    integrals: Array = integral_terms(np.array([start_s, stop_s]), rate_rad_s) @ np.array([-1.0, 1.0])
+    return integrals / (stop_s - start_s)
+
+
+def _axis_rates(facts: RunFacts, time_s: Array) -> Array:
+    """What the axes read in all, Earth's rate in it: (3, N) [deg/s]."""
+    table = table_rates(facts.profile, facts.table_axis, facts.frame_signs, time_s)
+    return add_earth_rate(table, facts.earth, facts.profile.angle_at(time_s))
+
+
+def across(axis: Array) -> tuple[Array, Array]:
+    """Two unit vectors at right angles to `axis` and to each other."""
+    along = axis / np.linalg.norm(axis)
+    first = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    first /= np.linalg.norm(first)
+    return first, np.cross(along, first)
+
+
+Change = Callable[[RunFacts, float], RunFacts]
+
+
+def _azimuth(stated: StatedErrors) -> Change:
+    def change(facts: RunFacts, sign: float) -> RunFacts:
+        # Clockwise from above by a is a turn of the unit by -a about up: u0 R(up, -a)' = u0 R(up, a).
+        turn = rotation(np.array(DIRECTIONS_ENU["up"]), sign * np.radians(stated.azimuth_deg))
+        return replace(facts, unit_from_enu=facts.unit_from_enu @ turn)
+
+    return change
+
+
+def _latitude(stated: StatedErrors) -> Change:
+    return lambda facts, sign: replace(facts, latitude_deg=facts.latitude_deg + sign * stated.latitude_deg)
+
+
+def _table_rate(stated: StatedErrors) -> Change:
+    def change(facts: RunFacts, sign: float) -> RunFacts:
+        rates = facts.profile.rate_deg_s * (1.0 + sign * stated.table_rate_ppm * 1e-6)
+        return replace(facts, profile=Profile(rates, facts.profile.duration_s))
+
+    return change
