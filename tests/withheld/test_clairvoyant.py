@@ -1,0 +1,208 @@
+"""What can be known at best, against closed forms and against simulated noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bench import SCALE, campaign, run
+from scipy.stats import chi2
+
+from withheld.chain.injector import exact_world, realistic_world, run_counts
+from withheld.clairvoyant.appraisal import appraise, effect_snr
+from withheld.clairvoyant.blocks import block_count, difference, metric
+from withheld.clairvoyant.full_rate import Healthy, bernoulli_divergence
+from withheld.clairvoyant.lines import motion_share
+from withheld.clairvoyant.separation import left_by, snr
+from withheld.effects.catalogue import NAMES
+from withheld.effects.entry import Entry
+
+ALL = frozenset(NAMES)
+WHITE = {"instability_deg_h": (0.0,) * 3, "turn_on_deg_h": (0.0,) * 3}
+HEALTHY = Healthy()
+
+
+def on(effect, gyro="gyro1", **parameters):
+    return Entry(effect, (gyro,), ("*",), parameters)
+
+
+def found(of, entry, healthy=HEALTHY):
+    world = exact_world(of, (entry,))
+    return effect_snr(world, metric(world), entry, healthy)
+
+
+def test_a_step_in_white_noise():
+    of = campaign(run(duration=200.0, temperature=False), **WHITE, bias_sd=(0.0,) * 3)
+    # half the run lies above: amplitude * sqrt(n) / sigma with every nuisance constant in time switched off
+    step = Entry("bias_step", ("gyro1",), ("r1",), {"deg_h": 0.3, "time_s": 100.0})
+    # (the latitude's uncertainty takes a two-thousandth of it)
+    assert found(of, step) == pytest.approx(0.3 * np.sqrt(100 * 64) / (0.002 / 60 * 8 * 3600), rel=1e-3)
+
+
+def test_an_offset_hides_behind_the_turn_on_bias():
+    quiet = {"instability_deg_h": (0.0,) * 3, "bias_sd": (0.0,) * 3}
+    of = campaign(run("a", duration=200.0), run("b", duration=200.0), **quiet)
+    # two runs at a standstill, each with a fresh turn-on bias: sigma^2 = (0.05^2 + N^2 / T) / 2
+    sigma = np.sqrt((0.05**2 + 0.002**2 * 3600 / 200) / 2)
+    assert found(of, on("bias_offset", deg_h=1.0)) == pytest.approx(1.0 / sigma, rel=1e-3)
+
+
+def test_a_scale_factor_error_hides_behind_its_uncertainty():
+    of = campaign(run("a", 10.0, 200.0), run("b", -10.0, 200.0))
+    # 400 ppm of which 20 are allowed by the calibration and 5 by the table: 400 / sqrt(20^2 + 5^2)
+    assert found(of, on("scale_factor_error", ppm=400.0)) == pytest.approx(400 / np.sqrt(425), rel=2e-2)
+
+
+def whitened_chi2(of, seed):
+    """x' S^-1 x of a campaign with nothing wrong, decoded from its counts as a reduction would."""
+    world = realistic_world(of, (), seed, noise_level_rel=0.0)
+    inner, rows = metric(world), []
+    nominal = exact_world(of)
+    for one in of.runs:
+        blocks, length = block_count(one)
+        per = int(length * one.sample_rate_hz)
+        rate = [run_counts(w, one)[1][: blocks * per] * 1e-7 / SCALE * 3600 for w in (world, nominal)]
+        rows.append((rate[0] - rate[1]).reshape(blocks, per, -1).mean(axis=1))
+    white = inner.white(rows)
+    return float(inner.gram(white[:, None], white[:, None])[0, 0]), len(white)
+
+
+def test_simulated_noise_is_white_in_the_metric():
+    of = campaign(run("a", 8.0, 60.0), run("b", -8.0, 60.0), run("c", 0.0, 60.0), rrw_deg_h_sqrt_h=(0.3,) * 3)
+    values = [whitened_chi2(of, seed) for seed in range(24)]
+    total, n = sum(v for v, _ in values), sum(n for _, n in values)
+    # noise and uncertainties together are a chi-square of n degrees of freedom; two-sided 1e-4
+    assert 1e-4 < chi2.cdf(total, n) < 1 - 1e-4
+
+
+def test_the_metric_notices_noise_that_is_five_per_cent_larger():
+    of = campaign(run("a", 8.0, 60.0), run("b", -8.0, 60.0), run("c", 0.0, 60.0))
+    values = [whitened_chi2(of, seed) for seed in range(24)]
+    total, n = sum(v for v, _ in values), sum(n for _, n in values)
+    assert chi2.cdf(total * 1.05**2, n) > 1 - 1e-4
+
+
+def rivals_of(of, entry, catalogue=ALL):
+    label = appraise(exact_world(of, (entry,)), catalogue, HEALTHY)["effects"][0]
+    return label, {(r["effect"], *r["channels"]): r["separation"] for r in label["rivals"]}
+
+
+def test_one_run_cannot_tell_an_offset_from_a_turn_on_bias_or_a_scale_factor():
+    label, rivals = rivals_of(campaign(run("a", 8.0, 300.0)), on("bias_offset", deg_h=2.0))
+    assert label["snr"] > 2.0
+    assert rivals[("turn_on_bias", "gyro1")] < 1e-3
+    assert rivals[("scale_factor_error", "gyro1")] < 1e-3  # Earth's rate on gyro 1 is constant, too
+
+
+def test_two_senses_and_a_standstill_tell_them_apart():
+    of = campaign(*(run(name, rate, 300.0) for name, rate in (("a", 8.0), ("b", -8.0), ("c", 0.0))))
+    label, rivals = rivals_of(of, on("bias_offset", deg_h=2.0))
+    assert rivals.get(("scale_factor_error", "gyro1"), 99.0) > 6.0
+    assert label["snr"] > 8.0
+
+
+def test_an_effect_out_of_the_catalogue_is_nobody_s_rival():
+    of = campaign(run("a", 8.0, 300.0))
+    _, rivals = rivals_of(of, on("bias_offset", deg_h=2.0), ALL - {"turn_on_bias"})
+    assert ("turn_on_bias", "gyro1") not in rivals
+
+
+def test_four_equal_scale_factors_are_the_table_s_rate():
+    of = campaign(run("a", 8.0, 300.0))
+    everyone = ("scale_factor_error", "gyro1", "gyro2", "gyro3")
+    _, rivals = rivals_of(of, Entry("table_rate_error", ("table",), ("*",), {"ppm": 30.0}))
+    assert rivals[everyone] < 1.0
+    # a larger one turns the unit far enough for Earth's rate to show the angle
+    _, rivals = rivals_of(of, Entry("table_rate_error", ("table",), ("*",), {"ppm": 200.0}))
+    assert rivals.get(everyone, 99.0) > 4.0
+
+
+def test_what_a_free_multiple_leaves():
+    of = campaign(run(duration=100.0), **WHITE)
+    world = exact_world(of)
+    inner = metric(world)
+    ramp = inner.white(difference(world, (on("bias_ramp", deg_h_per_h=30.0),)))
+    assert left_by(inner, ramp, ramp[:, None] * 7.0) == pytest.approx(0.0, abs=1e-4 * snr(inner, ramp))
+    step = Entry("bias_step", ("gyro1",), ("r1",), {"deg_h": 1.0, "time_s": 50.0})
+    both = np.stack([ramp, inner.white(difference(world, (step,)))], axis=1)
+    assert left_by(inner, ramp, both[:, 1:]) < snr(inner, ramp)
+
+
+def test_what_else_is_wrong_is_profiled_out():
+    of = campaign(run(duration=300.0, temperature=False))
+    offset, ramp = on("bias_offset", deg_h=3.0), on("bias_ramp", deg_h_per_h=30.0)
+    world = exact_world(of, (ramp,))
+    alone = appraise(world, ALL, HEALTHY)["effects"][0]
+    beside = appraise(replace(world, entries=(ramp, offset)), ALL, HEALTHY)["effects"][0]
+    assert beside["snr"] == pytest.approx(alone["snr"])
+    assert alone["attainable_std"] == pytest.approx(1 / alone["snr"])
+    assert beside["attainable_std"] > alone["attainable_std"]
+    assert beside["best_rival"] <= alone["best_rival"] + 1e-5 * alone["snr"]
+
+
+def test_full_rate_ratios_by_hand():
+    of = campaign(run(duration=200.0))
+    n = 200 * 64
+    both = Entry("common_noise", ("gyro1", "gyro2"), ("*",), {"correlation": 0.1})
+    assert found(of, both) == pytest.approx(np.sqrt(-n * np.log(1 - 0.01)))
+    assert found(of, on("lost_bits", bits=3)) == pytest.approx(np.sqrt(2 * n * 3 * np.log(2)))
+    level = on("angle_random_walk", deg_sqrt_h=0.002 * np.exp(0.1))
+    assert found(of, level) == pytest.approx(0.1 / np.sqrt(1 / (2 * n) + 0.02**2))
+    line = on("periodic_interference", deg_h=0.5, frequency_hz=10.0, phase_rad=0.0)
+    sigma = 0.002 / 60 * 8 * 3600
+    assert found(of, line) == pytest.approx(0.5 / sigma * np.sqrt(n / 2), rel=2e-3)
+    clock = Entry("clock_error", ("clock",), ("*",), {"ppm": 1.0})
+    t = np.arange(n) / 64.0
+    assert found(of, clock) == pytest.approx(np.sqrt(12 * np.sum((t * 1.0) ** 2)), rel=0.02)
+
+
+def test_bernoulli_divergence():
+    assert bernoulli_divergence(0.3, 0.3) == pytest.approx(0.0, abs=1e-15)
+    assert bernoulli_divergence(1.0, 0.5) == pytest.approx(np.log(2))
+
+
+def test_small_converter_error_against_a_likelihood_ratio_by_simulation():
+    of = campaign(run(duration=200.0), bias_sd=(0.0,) * 3)
+    sigma = 0.002 / 60 * 8 * SCALE
+    period, size = 3.0 * sigma, 0.02 * sigma
+    ratio = found(of, on("adc_nonlinearity", "gyro2", volts=size, period_volts=period))
+    rng = np.random.default_rng(1)
+    v = sigma * rng.standard_normal(2_000_000)  # gyro 2 reads 0 at this standstill
+    # density of v + g(v) to first order, and the sample's own log likelihood ratio
+    turn = 2 * np.pi / period
+    score = -size * turn * np.cos(turn * v) + size * np.sin(turn * v) * v / sigma**2
+    assert ratio == pytest.approx(np.sqrt(200 * 64 * np.mean(score**2)), rel=0.02)
+
+
+def test_a_low_pass_whitens_nothing_away():
+    of = campaign(run(duration=200.0))
+    weak, strong = (found(of, on("low_pass", time_constant_ms=ms)) for ms in (0.5, 5.0))
+    assert 0 < weak < strong
+    exact = found(of, on("low_pass", time_constant_ms=5.0), Healthy(noise_level_rel=0.0))
+    assert exact > strong  # a level that is not known hides a part
+
+
+def test_a_motion_of_three_gyros_is_any_line():
+    of = campaign(run())
+    assert motion_share(exact_world(of), np.array([4.0, 0.0, 0.0])) == pytest.approx(1.0)
+    four = campaign(run(polarity=(1,) * 4), n=4)
+    # four axes, three motions: a line on the fourth alone is half a motion (its leverage)
+    axes = np.vstack([np.eye(3), np.ones(3) / np.sqrt(3)])
+    leverage = (axes @ np.linalg.inv(axes.T @ axes) @ axes.T)[3, 3]
+    assert motion_share(exact_world(four), np.array([0, 0, 0, 9.0])) == pytest.approx(leverage)
+
+
+def test_the_oracle_closes_all_of_an_exact_gap_and_less_of_a_departed_one():
+    of = campaign(run("a", 8.0, 100.0))
+    entry = on("bias_offset", deg_h=20.0)
+    assert appraise(exact_world(of, (entry,)), ALL, HEALTHY)["oracle_closure"] == pytest.approx(1.0)
+    wobble = {"wobble": 0.3, "wobble_period_s": 50.0, "wobble_phase_rad": 0.0}
+    departed = appraise(exact_world(of, (replace(entry, departure=wobble),)), ALL, HEALTHY)
+    assert departed["oracle_closure"] < 0.999
+
+
+def test_nothing_wrong_has_no_label():
+    assert appraise(exact_world(campaign()), ALL, HEALTHY) == {
+        "effects": [],
+        "slow_snr": 0.0,
+        "oracle_closure": None,
+    }
