@@ -13,6 +13,9 @@ EARTH_RATE_DEG_S = math.degrees(EARTH_RATE_RAD_S)
 SECONDS_PER_HOUR = 3600.0
 MICROSECONDS_PER_SECOND = 1_000_000
 
+#: Format of a run's manifest.
+MANIFEST_SCHEMA = "fogreduce/manifest/1"
+
 #: The count that stands for "this gyro did not answer this pulse" in ``fogcap-1``.
 MISSING_COUNT = -(2**31)
 

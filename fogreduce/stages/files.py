@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -93,8 +94,8 @@ class StageDataset:
         try:
             self._file = h5py.File(self.path, "r")
         except OSError as error:
-            found = "no such file" if not self.path.exists() else str(error)
-            raise BadInput.at(self.path, "", found=found, expected=f"the dataset of stage {stage}") from None
+            expected = f"the dataset of stage {stage}"
+            raise BadInput.at(self.path, "", found=_problem(self.path, error), expected=expected) from None
         found_id = self._file.attrs.get("version_id")
         if found_id != setup.version_id:
             self._file.close()
@@ -104,7 +105,15 @@ class StageDataset:
                 found=found_id,
                 expected=f"{setup.version_id}, as the manifest has it",
             )
-        self.n_records = int(self._file["time"].shape[0])
+        self.n_records = int(self._variable("time").shape[0])
+
+    def _variable(self, name: str) -> h5py.Dataset:
+        if name not in self._file:
+            self._file.close()
+            raise BadInput.at(
+                self.path, name, found="no such variable", expected="one, as its stage writes it"
+            )
+        return self._file[name]
 
     def __enter__(self) -> StageDataset:
         return self
@@ -117,11 +126,11 @@ class StageDataset:
 
     def has_counts(self) -> bool:
         """Whether raw volts are packed counts."""
-        return bool(self._file["volts"].dtype == np.int32)
+        return bool(self._variable("volts").dtype == np.int32)
 
     def blocks(self, names: Sequence[str]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
         """Index of the first record, and the named variables' values, block by block."""
-        variables = {name: self._file[name] for name in names}
+        variables = {name: self._variable(name) for name in names}
         for start in range(0, self.n_records, self._size):
             part = slice(start, min(start + self._size, self.n_records))
             yield start, {name: variable[..., part] for name, variable in variables.items()}
@@ -168,5 +177,17 @@ def read_json(path: Path) -> dict[str, Any]:
     try:
         data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise BadInput.at(path, "", found=str(error), expected="the report of an earlier stage") from None
+        found = _problem(path, error) if isinstance(error, OSError) else str(error)
+        raise BadInput.at(path, "", found=found, expected="the report of an earlier stage") from None
     return data
+
+
+def _problem(path: Path, error: OSError) -> str:
+    """Why a file could not be opened, in words: HDF5's own message is long and names its internals."""
+    if not path.exists():
+        return "no such file"
+    if path.is_dir():
+        return "a folder"
+    if error.errno is not None:
+        return os.strerror(error.errno)
+    return "a truncated file" if "truncated file" in str(error) else "a file that is not HDF5"

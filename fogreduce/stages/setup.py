@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fogreduce
-from fogreduce.constants import MICROSECONDS_PER_SECOND
+from fogreduce.constants import MANIFEST_SCHEMA, MICROSECONDS_PER_SECOND
 from fogreduce.datasets.logs import TableLog, read_table_log
 from fogreduce.datasets.store import Storage
 from fogreduce.errors import BadInput
@@ -49,7 +49,11 @@ class Setup:
         except FileNotFoundError:
             raise BadInput.at(path, "", found="no such file", expected="the run's manifest") from None
         except (OSError, ValueError) as error:
-            raise BadInput.at(path, "", found=str(error), expected="the run's manifest") from None
+            found = getattr(error, "strerror", None) or str(error)
+            raise BadInput.at(path, "", found=found, expected="the run's manifest") from None
+        schema = manifest.get("schema") if isinstance(manifest, dict) else type(manifest).__name__
+        if schema != MANIFEST_SCHEMA:
+            raise BadInput.at(path, "schema", found=schema, expected=MANIFEST_SCHEMA)
         return cls(manifest, out)
 
     @cached_property
@@ -126,9 +130,16 @@ class TableAngle:
         self._log: TableLog | None = None
         if setup.parameters["alpha_source"] == "encoder":
             name = setup.manifest["run"].get("table_log")
-            if name is None or run_dir is None:
+            if run_dir is None:
                 raise BadInput.at(
-                    "run.yaml",
+                    "--run",
+                    "",
+                    found="nothing",
+                    expected="the run's folder, since reduction.alpha_source is encoder",
+                )
+            if name is None:
+                raise BadInput.at(
+                    run_dir / "run.yaml",
                     "table_log",
                     found="no encoder log",
                     expected="one, since reduction.alpha_source is encoder",

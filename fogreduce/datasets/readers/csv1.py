@@ -47,23 +47,26 @@ class CsvReader:
     def __init__(self, path: Path, sample_rate_hz: float) -> None:
         self.path = path
         self.facts = CaptureFacts(read_columns(path))
-        self.n_records, self.torn_bytes = self._count_lines()
+        self.n_records, self.torn_bytes, commas = self._count_lines()
         self._rate = sample_rate_hz
         if self.n_records == 0:
             raise BadInput.at(path, "line 2", found="no record", expected="at least one record")
+        if commas != (self.n_records + 1) * self.facts.n_gyros:
+            self._blame(0)  # a line cut short, which would else read as gyros that did not answer
 
-    def _count_lines(self) -> tuple[int, int]:
-        """Records, and bytes of a last line that has too few fields and no line end (torn)."""
-        lines, last = 0, b""
+    def _count_lines(self) -> tuple[int, int, int]:
+        """Records; bytes of a torn last line (too few fields and no line end); commas of the rest."""
+        lines, commas, last = 0, 0, b""
         with self.path.open("rb") as file:
             while chunk := file.read(_COUNT_BYTES):
                 lines += chunk.count(b"\n")
+                commas += chunk.count(b",")
                 last = (last + chunk).rsplit(b"\n", 1)[-1][-4096:]
         if not last:
-            return lines - 1, 0
+            return lines - 1, 0, commas
         if last.count(b",") < self.facts.n_gyros:
-            return lines - 1, len(last)
-        return lines, 0
+            return lines - 1, len(last), commas - last.count(b",")
+        return lines, 0, commas
 
     def place(self, record: int) -> str:
         """The record's line in the file."""
