@@ -1,6 +1,6 @@
 """What each effect's parameters mean, by arithmetic done by hand.
 
-The unit: three gyros along x, y, z, C = 0.1 V/(deg/s), no bias, 1e-7 V a count. So 1 deg/s is a million counts
+The unit: three gyros along x, y, z, C = 0.1 V/(deg/s), no bias, 1e-7 V a count. 1 deg/s is a million counts
 and 3.6 deg/h is 1000. Earth's rate, 7.2921151467e-5 rad/s, is 4178.0746 counts (x 180 / pi x 1e6).
 """
 
