@@ -172,6 +172,16 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
+def read_report(setup: Setup, name: str) -> dict[str, Any]:
+    """A report written by an earlier stage, of the version that the manifest names."""
+    path = setup.out / "reports" / f"{name}.json"
+    data = read_json(path)
+    if (found := data.get("version_id")) != setup.version_id:
+        expected = f"{setup.version_id}, as the manifest has it"
+        raise BadInput.at(path, "version_id", found=found, expected=expected)
+    return data
+
+
 def read_json(path: Path) -> dict[str, Any]:
     """A report written by an earlier stage."""
     try:

@@ -124,13 +124,13 @@ class Fit:
                 usable_axes = np.broadcast_to((flag & UNUSABLE_AXES) == 0, rates.shape)
             self._axis_bins.append(bins_of(time_s, rates, usable_axes, self._size))
         for segment in self.segments:
-            inside = slice(None) if len(self.segments) == 1 else self._inside(segment, time_s)
+            inside = slice(None) if len(self.segments) == 1 else self.inside(segment, time_s)
             columns = segment.basis.columns(time_s[inside])
             segment.gyros.add(columns, volts[:, inside], _part(usable, inside))
             if rates is not None:
                 segment.axes.add(columns, rates[:, inside], _part(usable_axes, inside))
 
-    def _inside(self, segment: Segment, time_s: Array) -> Mask:
+    def inside(self, segment: Segment, time_s: Array) -> Mask:
         """Which times lie in a segment, the guard of the edges between segments left out."""
         first, last = segment.number == 1, segment.number == len(self.segments)
         low = -np.inf if first else segment.start_s + self.guard_s
@@ -167,7 +167,7 @@ class Fit:
         if fitted is None:
             return None
         time_s = bins.time_s
-        inside = self._inside(segment, time_s - self.bin_s / 2) & self._inside(
+        inside = self.inside(segment, time_s - self.bin_s / 2) & self.inside(
             segment, time_s + self.bin_s / 2
         )
         mean = bins.mean[channel][inside]
