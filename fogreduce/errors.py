@@ -46,6 +46,9 @@ class BadInput(FogreduceError):
         self.faults = faults
         super().__init__("\n".join(str(fault) for fault in faults))
 
+    def __reduce__(self) -> tuple[type[BadInput], tuple[Fault, ...]]:
+        return type(self), self.faults
+
     @classmethod
     def at(cls, file: object, where: str, *, found: object, expected: object) -> BadInput:
         """One fault, its parts turned into text."""

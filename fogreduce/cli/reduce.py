@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.manifest import ManifestJob
+from fogreduce.cli.beside import beside
 from fogreduce.errors import BadInput
 
 HELP = "reduce one run, all stages in one process"
@@ -36,12 +36,14 @@ def add_input_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def manifest_job(arguments: argparse.Namespace) -> ManifestJob:
-    """Check the run's metadata and begin its manifest."""
+def manifest_of(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The run's metadata checked, its inputs hashed: its manifest."""
     if not arguments.run.is_dir():
         found = "a file" if arguments.run.exists() else "no such folder"
         raise BadInput.at(arguments.run, "", found=found, expected="a run's folder")
-    return ManifestJob(arguments.run, arguments.calibrations, _parameters(arguments))
+    from fogreduce.archive.manifest import manifest
+
+    return manifest(arguments.run, arguments.calibrations, _parameters(arguments))
 
 
 def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -61,13 +63,13 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Reduce; the tables are byte for byte those of the workflow."""
-    job = manifest_job(arguments)
+    manifest = beside(lambda: manifest_of(arguments))
     from fogreduce.cli.progress import progress
     from fogreduce.stages.files import write_json
     from fogreduce.stages.run import reduce_run
     from fogreduce.stages.setup import MANIFEST, Setup
 
-    setup = Setup(job.manifest(), arguments.out)
+    setup = Setup(manifest(), arguments.out)
     with progress(setup.facts.n_expected, "records") as told:
         reduce_run(setup, arguments.run, told)
     write_json(arguments.out / MANIFEST, setup.manifest)

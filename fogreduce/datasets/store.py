@@ -8,8 +8,6 @@ arithmetic; where they are chunked or compressed, h5py writes them.
 from __future__ import annotations
 
 import os
-import queue
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +20,7 @@ from numpy.typing import NDArray
 
 from fogreduce.datasets.atomic import TemporaryFile
 from fogreduce.datasets.templates import Attributes, Variable
+from fogreduce.datasets.worker import Worker
 
 
 @dataclass(frozen=True)
@@ -153,32 +152,18 @@ class _PlacedWriter:
 
     def __init__(self, path: Path) -> None:
         self._descriptor = os.open(path, os.O_WRONLY)
-        self._jobs: queue.Queue[tuple[int, NDArray[Any]] | None] = queue.Queue(self._MOST_WAITING)
-        self._error: OSError | None = None
-        self._thread = threading.Thread(target=self._work, daemon=True)
-        self._thread.start()
+        self._worker = Worker(self._MOST_WAITING)
 
     def put(self, offset: int, values: NDArray[Any]) -> None:
-        self._jobs.put((offset, values))
-        if self._error:
-            raise self._error
+        self._worker.do(lambda: self._write(offset, memoryview(values).cast("B")))
 
-    def _work(self) -> None:
-        while (job := self._jobs.get()) is not None:
-            if self._error:
-                continue
-            offset, values = job
-            view = memoryview(values).cast("B")
-            try:
-                while len(view):
-                    written = os.pwrite(self._descriptor, view, offset)
-                    view, offset = view[written:], offset + written
-            except OSError as error:
-                self._error = error
+    def _write(self, offset: int, view: memoryview) -> None:
+        while len(view):
+            written = os.pwrite(self._descriptor, view, offset)
+            view, offset = view[written:], offset + written
 
     def close(self) -> None:
-        self._jobs.put(None)
-        self._thread.join()
-        os.close(self._descriptor)
-        if self._error:
-            raise self._error
+        try:
+            self._worker.close()
+        finally:
+            os.close(self._descriptor)

@@ -21,6 +21,7 @@ FLICKER_FLAT = 2 * math.log(2) / math.pi
 _LOWEST_HZ = 1e-5  # the contract's flicker reaches down to here
 _LONGEST_PART = 8  # averaging times go up to this part of the record
 _ROUNDS = 4
+_ROUNDING = 1e-20
 
 
 @dataclass(frozen=True)
@@ -70,12 +71,16 @@ def allan_variance(values: Array, period_s: float) -> tuple[Array, Array, Array]
 def fit_noise(tau_s: Array, variance: Array, freedom: Array) -> ColouredNoise:
     """White, flicker and walk that describe an Allan variance: weighted least squares, none negative."""
     columns = np.array([1 / tau_s, np.full_like(tau_s, FLICKER_FLAT), tau_s / 3]).T
-    model = np.maximum(variance, np.finfo(float).tiny)
+    # Below this part of the largest, a variance is rounding: it must not outweigh the others.
+    floor = _ROUNDING * float(variance.max(initial=0.0))
+    if floor == 0:
+        return ColouredNoise(0.0, 0.0, 0.0)
+    model = np.maximum(variance, floor)
     best = np.zeros(3)
     for _ in range(_ROUNDS):
         weight = np.sqrt(freedom) / model
         best = _not_negative(columns * weight[:, None], variance * weight)
-        model = np.maximum(columns @ best, 1e-3 * np.maximum(variance, np.finfo(float).tiny))
+        model = np.maximum(columns @ best, np.maximum(1e-3 * variance, floor))
     return ColouredNoise(*(float(value) for value in best))
 
 

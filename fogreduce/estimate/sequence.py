@@ -46,7 +46,7 @@ class SequenceCheck:
         flags = self._bad_stamps(time_us, pulse)
         good = flags == 0
         if (pulse[-1] >= self.n_expected) or not good.all():
-            flags[(pulse >= self.n_expected) & good] |= RecordFlag.BEYOND_PROFILE
+            flags[(pulse >= self.n_expected) & good] |= np.uint8(RecordFlag.BEYOND_PROFILE)
         if good.all() and pulse[0] == self.highest + 1 and pulse[-1] - pulse[0] == pulse.size - 1:
             if bool((np.diff(pulse) == 1).all()):
                 self.highest = int(pulse[-1])
@@ -81,8 +81,8 @@ class SequenceCheck:
         self.highest = int(max(self.highest, numbers.max()))
         late = np.flatnonzero(~ahead)
         first = self._first_in_a_hole(numbers[late])
-        flags[index[late[first]]] |= RecordFlag.OUT_OF_ORDER
-        flags[index[late[~first]]] |= RecordFlag.REPEATED
+        flags[index[late[first]]] |= np.uint8(RecordFlag.OUT_OF_ORDER)
+        flags[index[late[~first]]] |= np.uint8(RecordFlag.REPEATED)
         self._filled = np.union1d(self._filled, numbers[late[first]])
         self._count(np.concatenate((numbers[ahead], numbers[late[first]])))
 

@@ -19,6 +19,7 @@ class Model(BaseModel):
     model_config = ConfigDict(
         frozen=True,
         strict=True,
+        defer_build=True,  # a start-up pays only for the models that it validates with
         extra="forbid",
         allow_inf_nan=False,
         serialize_by_alias=True,

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from fogreduce.datasets.block import Block
 from fogreduce.datasets.readers import Reader, open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.worker import Worker
 from fogreduce.errors import BadInput
 from fogreduce.physics.quantization import volts_from_counts
 from fogreduce.stages import drift as drift_stage
@@ -39,6 +39,8 @@ from fogreduce.stages.setup import Setup, TableAngle, seconds
 
 Progress = Callable[[int], None]
 
+_BLOCKS_AHEAD = 2
+
 
 def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records: None) -> None:
     """All stages in one pass over the capture; `progress` is told how many records are done."""
@@ -53,6 +55,8 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records:
             stack.enter_context(open_writer(setup, stage, reader.n_records, has_counts=has_counts))
             for stage in ("ingest", "calibrate", "project", "remove_earth")
         )
+        # The fit goes on in a thread of its own while the next block is read, judged and projected.
+        fitting = stack.enter_context(Worker(_BLOCKS_AHEAD))
         for block in ingest.blocks(reader, setup.block_records):
             write_ingest(raw, block)
             gyro_rates = calibrate(facts, block.volts)
@@ -64,7 +68,7 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records:
                 rates = remove_earth(facts, angle, time_s, axis_rates)
             write_axis_rates(axis, block.start, block.time_us, block.flag, axis_rates)
             write_axis_rates(table, block.start, block.time_us, block.flag, rates)
-            fit.add(time_s, block.flag, block.gyro_flag, block.volts, rates)
+            fitting.do(partial(fit.add, time_s, block.flag, block.gyro_flag, block.volts, rates))
             progress(block.start + block.time_us.size)
     _finish_ingest(setup, run_dir, ingest, reader)
     _finish_fit(setup, fit)
