@@ -52,17 +52,22 @@ def test_a_scale_factor_error_hides_behind_its_uncertainty():
     assert found(of, on("scale_factor_error", ppm=400.0)) == pytest.approx(400 / np.sqrt(425), rel=2e-2)
 
 
-def whitened_chi2(of, seed):
-    """x' S^-1 x of a campaign with nothing wrong, decoded from its counts as a reduction would."""
-    world = realistic_world(of, (), seed, noise_level_rel=0.0)
-    inner, rows = metric(world), []
-    nominal = exact_world(of)
+def decoded_blocks(of, world):
+    """Block means of a world's counts less the nominal prediction, run by run [deg/h]."""
+    nominal, rows = exact_world(of), []
     for one in of.runs:
         blocks, length = block_count(one)
         per = int(length * one.sample_rate_hz)
         rate = [run_counts(w, one)[1][: blocks * per] * 1e-7 / SCALE * 3600 for w in (world, nominal)]
         rows.append((rate[0] - rate[1]).reshape(blocks, per, -1).mean(axis=1))
-    white = inner.white(rows)
+    return rows
+
+
+def whitened_chi2(of, seed):
+    """x' S^-1 x of a campaign with nothing wrong, decoded from its counts as a reduction would."""
+    world = realistic_world(of, (), seed, noise_level_rel=0.0)
+    inner = metric(world)
+    white = inner.white(decoded_blocks(of, world))
     return float(inner.gram(white[:, None], white[:, None])[0, 0]), len(white)
 
 
@@ -79,6 +84,23 @@ def test_the_metric_notices_noise_that_is_five_per_cent_larger():
     values = [whitened_chi2(of, seed) for seed in range(24)]
     total, n = sum(v for v, _ in values), sum(n for _, n in values)
     assert chi2.cdf(total * 1.05**2, n) > 1 - 1e-4
+
+
+def test_a_matched_filter_finds_what_the_ratio_promises():
+    of = campaign(run("a", 8.0, 60.0), run("b", -8.0, 60.0), run("c", 0.0, 60.0))
+    entry = on("scale_factor_asymmetry", ppm=150.0)
+    outputs = []
+    for seed in range(40):
+        world = realistic_world(of, (entry,), seed, noise_level_rel=0.0)
+        inner = metric(world)
+        data = inner.white(decoded_blocks(of, world))
+        model = inner.white(difference(world, (entry,)))
+        size = snr(inner, model)
+        outputs.append(float(inner.gram(data[:, None], model[:, None])[0, 0]) / size - size)
+    assert size > 5.0
+    # a normal of mean 0 and deviation 1, forty times
+    assert abs(np.mean(outputs)) < 4 / np.sqrt(40)
+    assert np.std(outputs) == pytest.approx(1.0, abs=4 / np.sqrt(80))
 
 
 def rivals_of(of, entry, catalogue=ALL):

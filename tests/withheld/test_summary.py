@@ -71,8 +71,8 @@ def test_a_small_study_by_hand():
     assert row(summary, "Nothing wrong", "diagnosis of the contract's form, all cases") == (5, 6)
     assert row(summary, "One effect, eight runs", "SNR 8 to 15: right cause") == (1, 2)
     assert row(summary, "One effect, eight runs", "SNR 8 to 15: a gap was seen") == (2, 2)
-    assert row(summary, "Never in the catalogue", "SNR 15 and up: misattributed") == (1, 2)
-    assert row(summary, "Never in the catalogue", "SNR 15 and up: missed") == (1, 2)
+    assert row(summary, "Never in the catalogue, all", "SNR 15 and up: misattributed") == (1, 2)
+    assert row(summary, "Never in the catalogue, all", "SNR 15 and up: missed") == (1, 2)
     assert row(summary, "Closure against the oracle, right causes", "within 0.03") == (1, 1)
     assert summary["pulls"]["median"] == pytest.approx(1.0)
     assert summary["seconds"]["median"] == 3.0

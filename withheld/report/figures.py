@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from withheld.arrays import Array
+from withheld.effects.catalogue import NAMES as CATALOGUE
+from withheld.effects.strangers import NAMES as STRANGERS
 from withheld.score.judge import OUTSIDE
 from withheld.score.summary import BANDS, FATES, band_name
 from withheld.score.wilson import Share
@@ -34,10 +36,12 @@ def _figure(width: float, height: float, columns: int = 1) -> tuple[Figure, list
 
 
 def _in_bands(outcomes: Outcomes) -> list[tuple[str, Outcomes]]:
-    return [
+    """Outcomes by bands of SNR, without the empty ones."""
+    parts = [
         (band_name(a, b), [o for o in outcomes if o["snr"] is not None and a <= o["snr"] < b])
         for a, b in pairwise(BANDS)
     ]
+    return [(name, group) for name, group in parts if group]
 
 
 def _points(ax: Axes, x: Array, shares: list[Share], colour: str, marker: str, name: str) -> None:
@@ -73,6 +77,7 @@ def causes_against_snr(scores: dict[str, Any]) -> Figure:
                 )  # fmt: skip
     ax.set_xticks(x, [f"{name}\n(n = {len(group)})" for name, group in parts])
     ax.set(xlabel="signal-to-noise ratio of the effect", ylabel="share of cases, %", ylim=(-3, 103))
+    ax.set_xlim(-0.6, max(len(parts), 1) - 0.4)
     ax.set_title("One effect of the catalogue", loc="left", fontsize=11)
     ax.legend(frameon=False, fontsize=9, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -87,16 +92,14 @@ def outside_the_catalogue(scores: dict[str, Any]) -> Figure:
         parts = _in_bands([o for o in scores["outcomes"] if o["kind"] == kind])
         base = np.zeros(len(parts))
         for fate in FATES:
-            values = np.array(
-                [100 * sum(o["fate"] == fate for o in g) / len(g) if g else 0.0 for _, g in parts]
-            )
+            values = np.array([100 * sum(o["fate"] == fate for o in g) / len(g) for _, g in parts])
             ax.bar(
                 np.arange(len(parts)), values, 0.7, bottom=base, color=_FATE_COLOURS[fate],
                 label=_FATE_WORDS[fate], edgecolor=GROUND, lw=0.8,
             )  # fmt: skip
             base += values
         ax.set_xticks(np.arange(len(parts)), [f"{name}\n(n = {len(group)})" for name, group in parts])
-        ax.set(xlabel="signal-to-noise ratio", ylim=(0, 100))
+        ax.set(xlabel="signal-to-noise ratio", ylim=(0, 100), xlim=(-0.6, max(len(parts), 1) - 0.4))
         ax.set_title(title, loc="left", fontsize=11)
     axes[0].set_ylabel("share of cases, %")
     axes[1].legend(frameon=False, fontsize=9, loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -106,8 +109,9 @@ def outside_the_catalogue(scores: dict[str, Any]) -> Figure:
 def confusion(scores: dict[str, Any]) -> Figure:
     """Truth against the effect named first, or the verdict where none is named."""
     rows = scores["summary"]["confusion"]
-    truths = sorted({r["truth"] for r in rows})
-    answers = [a for a in truths if any(r["answer"] == a for r in rows)]
+    order = ("nothing", *CATALOGUE, *STRANGERS, "no_gap", "partly_explained", "unexplained", "invalid")
+    truths = [name for name in order if any(r["truth"] == name for r in rows)]
+    answers = [name for name in order if any(r["answer"] == name for r in rows)]
     answers += sorted({r["answer"] for r in rows} - set(answers))
     matrix = np.zeros((len(truths), len(answers)))
     for r in rows:
@@ -124,6 +128,10 @@ def confusion(scores: dict[str, Any]) -> Figure:
         ax.text(j, i, f"{int(matrix[i, j])}", ha="center", va="center", fontsize=7, color=colour)
     ax.set_xticks(np.arange(len(answers)), [a.replace("_", " ") for a in answers], rotation=90, fontsize=8)
     ax.set_yticks(np.arange(len(truths)), [t.replace("_", " ") for t in truths], fontsize=8)
+    ax.set_xticks(np.arange(len(answers) + 1) - 0.5, minor=True)
+    ax.set_yticks(np.arange(len(truths) + 1) - 0.5, minor=True)
+    ax.grid(which="minor", color=RULE, lw=0.4)
+    ax.tick_params(which="minor", length=0)
     ax.set(xlabel="named first (or the verdict)", ylabel="truth")
     ax.set_title("What was there, and what was said (cases)", loc="left", fontsize=11)
     return figure
@@ -171,7 +179,8 @@ def numbers(scores: dict[str, Any]) -> Figure:
     left.set(xlabel="(stated - true) / stated standard deviation", ylabel="density")
     left.set_title(f"Parameters of right causes (n = {pulls.size})", loc="left", fontsize=11)
     close = [(o["snr"], o["closure"]) for o in scores["outcomes"] if o["closure"] and o["by_group"]]
-    for snr, (fraction, std, oracle) in close:
+    for true_snr, (fraction, std, oracle) in close:
+        snr = min(true_snr, 200.0)  # the enormous ones stand together at the edge
         right.plot([snr, snr], [fraction - oracle - std, fraction - oracle + std], color=RULE, lw=1)
         right.plot(snr, fraction - oracle, "o", ms=4, color=RIGHT)
     if close:
@@ -179,7 +188,7 @@ def numbers(scores: dict[str, Any]) -> Figure:
         right.axhline(0.0, color=IDEAL, lw=1.2)
     else:
         right.text(0.5, 0.5, "no closure of a right cause", ha="center", transform=right.transAxes, color=INK)
-    right.set(xlabel="signal-to-noise ratio", ylabel="closure less the oracle's")
+    right.set(xlabel="signal-to-noise ratio (200: and up)", ylabel="closure less the oracle's")
     right.set_title(f"How far the gap closed (n = {len(close)})", loc="left", fontsize=11)
     return figure
 

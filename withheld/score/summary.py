@@ -38,7 +38,7 @@ def _table(title: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
     return {"title": title, "rows": rows}
 
 
-def _causes(title: str, outcomes: list[Outcome]) -> dict[str, Any]:
+def _causes(title: str, outcomes: list[Outcome], never: float) -> dict[str, Any]:
     rows = []
     for name, group in bands(outcomes):
         if not group:
@@ -47,6 +47,10 @@ def _causes(title: str, outcomes: list[Outcome]) -> dict[str, Any]:
             _row(f"SNR {name}: a gap was seen", share([o.flagged for o in group])),
             _row(f"SNR {name}: right cause", share([bool(o.exact) for o in group])),
             _row(f"SNR {name}: right cause or pure group", share([bool(o.by_group) for o in group])),
+            _row(
+                f"SNR {name}: right cause, where every rival is separated by {never:g}",
+                share([bool(o.exact) for o in group if (o.separated or 0.0) >= never]),
+            ),
             _row(f"SNR {name}: right place first", share([bool(o.place_right) for o in group])),
             _row(f"SNR {name}: verdict explained", share([o.verdict_right for o in group])),
         ]
@@ -66,13 +70,22 @@ def clairvoyant_share(group: list[Outcome], thresholds: Thresholds) -> tuple[flo
     return float(np.mean(seen)), float(np.mean(named))
 
 
-def _outside(title: str, outcomes: list[Outcome]) -> dict[str, Any]:
-    rows = []
-    for name, group in bands(outcomes):
-        rows += [
-            _row(f"SNR {name}: {fate}", share([o.fate == fate for o in group])) for fate in FATES if group
+def _outside(title: str, outcomes: list[Outcome], keeps: float) -> list[dict[str, Any]]:
+    """Fates in bands: of those that no catalogue rival comes near, then of all."""
+    apart = [o for o in outcomes if (o.separated or 0.0) >= keeps]
+    tables = []
+    for name, chosen in (
+        (f"{title}, separated by {keeps:g} from every rival", apart),
+        (f"{title}, all", outcomes),
+    ):
+        rows = [
+            _row(f"SNR {band}: {fate.replace('_', ' ')}", share([o.fate == fate for o in group]))
+            for band, group in bands(chosen)
+            for fate in FATES
+            if group
         ]
-    return _table(title, rows)
+        tables.append(_table(name, rows))
+    return tables
 
 
 def reliability(pairs: list[tuple[float, bool]]) -> dict[str, Any]:
@@ -110,6 +123,7 @@ def _quantiles(values: list[float]) -> dict[str, Any]:
 
 def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]:
     """Tables (each row k of n with its interval), reliabilities, pulls, closure, groups, time, confusions."""
+    never, keeps = thresholds.group_never, thresholds.stranger_keeps
     nothing = [o for o in outcomes if o.kind == "nothing"]
     single = [o for o in outcomes if o.kind == "single"]
     several = [o for o in outcomes if o.kind in ("pair", "triple")]
@@ -125,18 +139,20 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
             _row("called a gap", share([o.flagged for o in nothing])),
             _row("diagnosis of the contract's form, all cases", share([o.valid for o in outcomes])),
         ]),
-        _causes("One effect, eight runs", [o for o in single if o.design.startswith("eight")]),
-        _causes("One effect, all designs, slow", [o for o in single if o.effects[0] not in FULL_RATE]),
-        _causes("One effect, all designs, full rate", [o for o in single if o.effects[0] in FULL_RATE]),
-        _causes("Two and three effects", several),
+        _causes("One effect, eight runs", [o for o in single if o.design.startswith("eight")], never),
+        _causes("One effect, all designs, slow",
+                [o for o in single if o.effects[0] not in FULL_RATE], never),
+        _causes("One effect, all designs, full rate",
+                [o for o in single if o.effects[0] in FULL_RATE], never),
+        _causes("Two and three effects", several, never),
         _table("Two and three effects, each effect", [
             _row("named", Share(sum(o.named or 0 for o in several), sum(len(o.effects) for o in several)))]),
         _table("One effect, by design", [
             _row(f"{d}: right cause or pure group",
                  share([bool(o.by_group) for o in single if o.design == d]))
             for d in sorted({o.design for o in single})]),
-        _outside("Never in the catalogue", [o for o in outside if o.kind == "stranger"]),
-        _outside("Taken out of the catalogue", [o for o in outside if o.kind == "without"]),
+        *_outside("Never in the catalogue", [o for o in outside if o.kind == "stranger"], keeps),
+        *_outside("Taken out of the catalogue", [o for o in outside if o.kind == "without"], keeps),
         _table("Groups (one effect)", [
             _row("members that belong (separation below 4)", Share(
                 sum(o.group_pure or 0 for o in groups), sum(o.group_size or 0 for o in groups))),

@@ -72,6 +72,10 @@ def draw_campaign(
     polarity = tuple(int(v) for v in rng.choice([1, -1], gyros, p=[0.75, 0.25]))
     latitude = LATITUDES_DEG[rng.integers(len(LATITUDES_DEG))]
     sample_rate = float(rng.choice([128.0, 100.0, 64.0], p=[0.84, 0.08, 0.08]))
+    signs = [1, 1, 1]
+    if rng.random() < 0.15:
+        signs[rng.integers(3)] = -1
+    rate_ppm, azimuth_sd = float(rng.choice([5.0, 15.0])), float(rng.choice([0.05, 0.02, 0.1]))
     table_log, azimuth = bool(rng.random() < 0.4), round(float(rng.uniform(0.0, 360.0)), 3)
     runs = []
     for number, (axis, profile) in enumerate(_turns(design, rng), start=1):
@@ -80,7 +84,9 @@ def draw_campaign(
                 run_id=f"run-{number}", started_at=f"2026-03-0{1 + rng.integers(9)}T{6 + number:02d}:00:00Z",
                 latitude_deg=latitude, axis=AXIS[axis], profile=profile,
                 orientation=_tumbled(design, number, axis), azimuth_deg=azimuth, polarity=polarity,
-                sample_rate_hz=sample_rate, temperature=temperature, table_log=table_log,
+                frame_signs=(signs[0], signs[1], signs[2]), rate_uncertainty_ppm=rate_ppm,
+                azimuth_uncertainty_deg=azimuth_sd, sample_rate_hz=sample_rate,
+                temperature=temperature, table_log=table_log,
             )
         )  # fmt: skip
     return Campaign(name, replace(unit, name=f"{unit.name}-{name}"), tuple(runs))

@@ -25,13 +25,11 @@ class Thresholds:
     group_never : a group that holds a member separated by this much is impure
     stranger_keeps : an effect outside the catalogue counts as misattributed only where it keeps this
         separation from its best catalogue rival; below, it is indistinguishable
-    probability : stated probability from which something counts as claimed
     """
 
     group_below: float = 4.0
     group_never: float = 6.0
     stranger_keeps: float = 5.0
-    probability: float = 0.5
 
 
 @dataclass(frozen=True)

@@ -16,15 +16,17 @@ WITHHELD = {
         name: f"python -m withheld candidate {name} --batch {{batch}} --out {{out}}"
         for name in ("no_gap", "one_group", "unexplained", "guess")
     },
-    "ledger": None,  # the book of studies scored; by default among the results
+    "ledger": None,  # the book of studies scored; by default with the kept reports (full) or results (small)
     **config.get("withheld", {}),
 }
 WITHHELD_CASES = {"small": 20, "full": 1216}[
     WITHHELD["study"]
 ]  # the protocol's command checks it
 WITHHELD_OUT = f"{config.get('results_dir', 'results')}/withheld/{WITHHELD['study']}-{WITHHELD['seed']}"
-WITHHELD_LEDGER = (
-    WITHHELD["ledger"] or f"{config.get('results_dir', 'results')}/withheld/ledger.json"
+WITHHELD_LEDGER = WITHHELD["ledger"] or (
+    "docs/withheld-studies/ledger.json"
+    if WITHHELD["study"] == "full"
+    else f"{config.get('results_dir', 'results')}/withheld/ledger.json"
 )
 WITHHELD_BATCHES = [
     f"{number:03d}" for number in range(-(-WITHHELD_CASES // WITHHELD["batch"]))
