@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fogreduce.errors import BadInput
+
+if TYPE_CHECKING:
+    from fogreduce.simulate.plan import Plan
 
 HELP = "simulate the captures of a campaign's runs, with or without effects"
 
@@ -36,16 +40,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="draw the stated uncertainties; DIR.injected.yaml says what",
     )
     parser.add_argument("--only-runs", metavar="ID,...", default="", help="simulate these runs only")
+    parser.add_argument(
+        "--export-model",
+        metavar="FILE",
+        type=Path,
+        help="write the unit's model as JSON, with its attitude error",
+    )
+    parser.add_argument(
+        "--diagnosis",
+        metavar="FILE",
+        type=Path,
+        help="diagnosis.json whose causes the exported model takes up",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Simulate; what was made on standard output."""
-    from fogreduce.cli.progress import progress
-    from fogreduce.simulate.campaign import write_campaign
+    """Simulate, or export the model, or both; what was made on standard output."""
     from fogreduce.simulate.plan import Options, prepare
 
-    if args.out is None:
+    if args.out is None and args.export_model is None:
         raise BadInput.at("--out", "", found="nothing", expected="a folder for the campaign")
+    if args.diagnosis is not None and args.export_model is None:
+        raise BadInput.at("--diagnosis", "", found="no --export-model", expected="both, or --effects")
     if args.seed is not None and args.seed < 0:
         raise BadInput.at("--seed", "", found=args.seed, expected="a whole number, 0 or more")
     options = Options(
@@ -56,7 +72,25 @@ def run(args: argparse.Namespace) -> int:
         only_runs=tuple(name for name in args.only_runs.split(",") if name),
     )
     plan = prepare(args.campaign, args.calibrations, options)
-    with progress(plan.n_records, "records") as told:
-        write_campaign(plan, args.out, told)
-    print(f"{args.out}: {len(plan.chosen)} captures simulated")
+    if args.export_model is not None:
+        _export(plan, args)
+    if args.out is not None:
+        _simulate(plan, args.out)
     return 0
+
+
+def _export(plan: Plan, args: argparse.Namespace) -> None:
+    from fogreduce.datasets.atomic import write_text
+    from fogreduce.simulate.export_model import model_text
+
+    write_text(args.export_model, model_text(plan, args.diagnosis))
+    print(f"{args.export_model}: model of {next(iter(plan.records))}")
+
+
+def _simulate(plan: Plan, out: Path) -> None:
+    from fogreduce.cli.progress import progress
+    from fogreduce.simulate.campaign import write_campaign
+
+    with progress(plan.n_records, "records") as told:
+        write_campaign(plan, out, told)
+    print(f"{out}: {len(plan.chosen)} captures simulated")

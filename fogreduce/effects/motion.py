@@ -56,6 +56,8 @@ class Motion:
     ripples, vibrations : tuples
     tilts_rad : tuple of (3,) arrays
         The unit sits turned on the table by each of these in turn: ``w -> w - tilt x w``.
+    on_earth : bool
+        False where there is no Earth's rate: a unit in orbit.
     """
 
     profile: Profile
@@ -67,6 +69,7 @@ class Motion:
     ripples: tuple[Ripple, ...] = ()
     tilts_rad: tuple[Array, ...] = ()
     vibrations: tuple[Vibration, ...] = ()
+    on_earth: bool = True
 
     @classmethod
     def nominal(cls, facts: RunFacts) -> Motion:
@@ -92,12 +95,13 @@ class Motion:
 
     def unit_rate(self, time_s: Array, alpha_rad: Array) -> Array:
         """The unit's rate w [deg/s], (3, N), in the unit frame, right-handed; `alpha_rad` from `angle_at`."""
-        earth = EarthPart.of(self.table_axis, self.unit_from_enu, self.latitude_deg, _ONES)
         shifted = time_s - self.start_s
         rate = table_rates(self.profile, self.table_axis, _ONES, shifted)
         if self.ripples or self.gain != 1.0:
             rate *= self.rate_factor(self.profile.angle_at(shifted) if self.ripples else alpha_rad)
-        rate += earth.at(alpha_rad)
+        if self.on_earth:
+            earth = EarthPart.of(self.table_axis, self.unit_from_enu, self.latitude_deg, _ONES)
+            rate += earth.at(alpha_rad)
         for tilt in self.tilts_rad:
             rate = rate - np.cross(tilt, rate, axisb=0, axisc=0)
         for v in self.vibrations:

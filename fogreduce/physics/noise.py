@@ -184,6 +184,24 @@ class FlickerSource:
         return lines.ravel()
 
 
+def flicker_covariance(b_deg_h: float, step_s: float, lags: int) -> Array:
+    """Covariance [(deg/h)^2] of flicker's means over neighbouring steps of `step_s`, at lags 0 to `lags` - 1.
+
+    The sum over first-order processes (`slow_corners_hz`) with corners from 1e-5 Hz to far above 1 / step.
+    With x = 2 pi corner step, the mean over a step has the variance ``2 (x - 1 + exp(-x)) / x^2``, and two of
+    them k steps apart the covariance ``exp(-x (k - 1)) ((1 - exp(-x)) / x)^2``.
+    """
+    rate_hz = 1e5 / step_s
+    x = 2.0 * np.pi * slow_corners_hz(rate_hz)[:, None] * step_s
+    k = np.arange(lags)
+    mean = -np.expm1(-x) / x
+    terms = np.exp(-x * np.maximum(k - 1, 0)) * mean**2
+    # at lag 0, as a difference that does not lose its digits for small x
+    terms[:, :1] = np.where(x > 1e-4, 2.0 * (x + np.expm1(-x)) / x**2, 1.0 - x / 3.0)
+    total: Array = b_deg_h**2 * _slow_variance(rate_hz) * terms.sum(axis=0)
+    return total
+
+
 def _slow_densities(frequency_hz: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     """One-sided densities [1/Hz] of the slow part for B = 1 deg/h: as continuous processes, and as made.
 

@@ -78,6 +78,8 @@ class ForwardRun:
     temperature : TemperatureLog or None
     seed : int
         Of the noise and of all that is random.
+    motion : Motion or None
+        None: as run.yaml states it. Another one for a unit that is elsewhere than on its table.
     """
 
     def __init__(
@@ -87,6 +89,7 @@ class ForwardRun:
         actions: Sequence[Action] = (),
         temperature: TemperatureLog | None = None,
         seed: int = 0,
+        motion: Motion | None = None,
     ) -> None:
         self.facts = facts
         self.temperature = temperature
@@ -94,12 +97,15 @@ class ForwardRun:
         for action in actions:
             if facts.run_id in action.runs:
                 self._take(action, seed)
-        self.motion, self.axes = Motion.nominal(facts), facts.axes
+        self.motion, self.axes = motion or Motion.nominal(facts), facts.axes
         self.motion = self._common(Stage.MOTION, self.motion)
         self.axes = np.array(self._per_gyro(Stage.AXES, list(facts.axes)))
         ages = self._per_gyro(Stage.LATENCY, [0.0] * facts.n_gyros)
         self._ages = {age: [i for i, other in enumerate(ages) if other == age] for age in set(ages)}
-        self._noise = self._prepare_noise(noise, seed) if noise is not None else None
+        self._noise: GyroNoise | None = None
+        if noise is not None:
+            levels = self.noise_levels(noise)
+            self._noise = GyroNoise(levels, facts.sample_rate_hz, facts.run_id, seed)
 
     # ------------------------------------------------------------------------------- without noise
 
@@ -124,6 +130,12 @@ class ForwardRun:
         """Raw volts of readings [deg/s], before noise and electronics: (n, N) [V]."""
         facts = self.facts
         return volts_from_rate(readings, facts.scale_factor, facts.bias, facts.polarity)
+
+    def noise_levels(self, noise: NoiseCoefficients) -> list[NoiseLevels]:
+        """Each gyro's noise: what the record states, with the effects on noise in it."""
+        own = np.eye(self.facts.n_gyros)
+        stated = zip(noise.white_deg_sqrt_h, noise.flicker_deg_h, noise.walk_deg_h_sqrt_h, own, strict=True)
+        return self._per_gyro(Stage.NOISE, [NoiseLevels(n, b, k, row) for n, b, k, row in stated])
 
     # ----------------------------------------------------------------------------------- a capture
 
@@ -224,14 +236,3 @@ class ForwardRun:
             columns=columns,
             alpha_rad=_NONE if alpha is None else alpha,
         )
-
-    def _prepare_noise(self, noise: NoiseCoefficients, seed: int) -> GyroNoise:
-        n = self.facts.n_gyros
-        levels = [
-            NoiseLevels(
-                noise.white_deg_sqrt_h[i], noise.flicker_deg_h[i], noise.walk_deg_h_sqrt_h[i], np.eye(n)[i]
-            )
-            for i in range(n)
-        ]
-        levels = self._per_gyro(Stage.NOISE, levels)
-        return GyroNoise(levels, self.facts.sample_rate_hz, self.facts.run_id, seed)
