@@ -34,6 +34,27 @@ def _make(args: argparse.Namespace) -> None:
     make_batch(protocol, chosen, args.out, args.labels)
 
 
+def _inject(args: argparse.Namespace) -> None:
+    from dataclasses import replace
+
+    from withheld.chain.campaign import read_campaign
+    from withheld.chain.injector import exact_world, realistic_world, write_campaign
+    from withheld.chain.temperature import read_log
+    from withheld.effects.effects_file import read_effects
+
+    campaign = read_campaign(args.campaign, args.calibrations)
+    runs = tuple(run.run_id for run in campaign.runs)
+    entries = read_effects(args.effects, campaign.unit.n, runs) if args.effects else ()
+    if args.exact:
+        world = exact_world(campaign, entries)
+        logs = {run: args.campaign / "runs" / run / "temperature.csv" for run in runs}
+        read = {run: read_log(path) for run, path in logs.items() if path.exists()}
+        world = replace(world, heat=world.heat | read)
+    else:
+        world = realistic_world(campaign, entries, args.seed)
+    write_campaign(world, args.out / "campaigns" / campaign.name, args.out / "calibrations")
+
+
 def _train(args: argparse.Namespace) -> None:
     from dataclasses import replace
 
@@ -119,6 +140,17 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--out", type=Path, required=True)
     one.add_argument("--labels", type=Path, required=True)
     one.set_defaults(do=_make)
+
+    one = commands.add_parser(
+        "inject", help="captures for a campaign's metadata, with an effects file in them"
+    )
+    one.add_argument("campaign", type=Path)
+    one.add_argument("--calibrations", type=Path, required=True)
+    one.add_argument("--effects", type=Path)
+    one.add_argument("--seed", type=int, default=0)
+    one.add_argument("--exact", action="store_true", help="the catalogue's shapes, no noise, nothing drawn")
+    one.add_argument("--out", type=Path, required=True)
+    one.set_defaults(do=_inject)
 
     one = commands.add_parser("train", help="campaigns with open labels, for tuning; never a study's")
     one.add_argument("--study", default="full", help="whose mixture of cases")

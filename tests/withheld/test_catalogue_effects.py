@@ -8,7 +8,7 @@ from withheld.chain.campaign import Campaign
 from withheld.chain.capture_file import encode
 from withheld.chain.injector import exact_world, realistic_world, run_counts
 from withheld.chain.link import MISSING, stamps_us
-from withheld.effects.catalogue import NAMES
+from withheld.effects.catalogue import NAMES, PARAMETERS, WITH_PHASE
 from withheld.effects.entry import Entry
 
 FAST = run(rate=9.0)
@@ -355,7 +355,15 @@ NEVER_OFF = {"rotation_sense", "channel_swap", "polarity_error", "angle_random_w
 
 def test_the_table_is_whole():
     assert len(NAMES) == 40
+    assert set(PARAMETERS) == set(NAMES)
     assert set(EXAMPLES) | NEVER_OFF == set(NAMES)
+
+
+@pytest.mark.parametrize("effect", sorted(EXAMPLES))
+def test_the_examples_state_what_the_catalogue_asks(effect):
+    stated = set(EXAMPLES[effect].parameters)
+    assert set(PARAMETERS[effect]) <= stated
+    assert stated <= set(PARAMETERS[effect]) | ({"phase_rad"} if effect in WITH_PHASE else set())
 
 
 @pytest.mark.parametrize("effect", sorted(EXAMPLES))

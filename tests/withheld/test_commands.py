@@ -5,9 +5,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
-from bench import campaign, run
+from bench import COUNTS_PER_DEG_H, campaign, run
 
+from withheld.chain.capture_file import read_capture
 from withheld.chain.injector import realistic_world, write_campaign
 from withheld.cli import main
 from withheld.score.diagnosis_file import read_diagnosis
@@ -146,6 +148,47 @@ def test_a_training_set_has_open_labels(tmp_path):
     )
     labels = json.loads((tmp_path / "t" / "labels.json").read_text())
     assert [one["case"] for one in labels] == [p.name for p in (tmp_path / "t" / "campaigns").iterdir()]
+
+
+EFFECTS = """schema: fogreduce/effects/1
+effects:
+  - {effect: bias_ramp, channels: [gyro2], runs: ["*"], parameters: {deg_h_per_h: 7.2e+05}}
+"""
+
+
+def injected(batch, out, *more):
+    campaign = batch / "campaigns" / "case-0001"
+    calibrations = str(batch / "calibrations")
+    return main(["inject", str(campaign), "--calibrations", calibrations, "--out", str(out), *more])
+
+
+def test_inject_puts_a_file_s_effects_into_a_campaign(batch, tmp_path):
+    (tmp_path / "e.yaml").write_text(EFFECTS)
+    assert injected(batch, tmp_path / "plain", "--exact") == 0
+    assert injected(batch, tmp_path / "ramp", "--exact", "--effects", str(tmp_path / "e.yaml")) == 0
+    where = "campaigns/case-0001/runs/a/capture.fogcap"
+    plain, ramp = (read_capture(tmp_path / name / where).counts for name in ("plain", "ramp"))
+    # 7.2e5 deg/h/h: after a second 200 deg/h
+    expected = 200.0 * np.arange(64) / 64.0 * COUNTS_PER_DEG_H
+    assert ramp[:, 1] - plain[:, 1] == pytest.approx(expected, abs=1.0)
+    assert (ramp[:, [0, 2]] == plain[:, [0, 2]]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("effects/1", "other"), "expected schema"),
+        (("bias_ramp", "bias_rampp"), "effect 1: no effect bias_rampp"),
+        (("gyro2", "gyro9"), "effect 1: channels"),
+        (('"*"', '"z"'), "effect 1: runs"),
+        (("deg_h_per_h", "deg_h"), "bias_ramp has"),
+        (("channels", "chanels"), "effect 1: expected effect, channels"),
+    ],
+)
+def test_a_bad_effects_file_names_its_fault(batch, tmp_path, capsys, change, message):
+    (tmp_path / "e.yaml").write_text(EFFECTS.replace(*change))
+    assert injected(batch, tmp_path / "o", "--effects", str(tmp_path / "e.yaml")) == 2
+    assert message in capsys.readouterr().err
 
 
 def test_it_starts_as_a_program():

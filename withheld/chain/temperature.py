@@ -1,10 +1,12 @@
 """Temperatures of one run: what the log says, and what the coil feels."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from withheld.arrays import Array
+from withheld.errors import BadInput
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,16 @@ def straight(duration_s: float, start_degC: float = 25.0, degC_per_s: float = 0.
     time = np.arange(0.0, np.floor(duration_s) + 1.0)
     sensor = np.round(start_degC + degC_per_s * time, 6)
     return Temperature(time, np.round(sensor + 6.0, 6), sensor, sensor)
+
+
+def read_log(path: Path) -> Temperature:
+    """temperature.csv as it stands; what the gyros feel is what it says."""
+    try:
+        rows = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+        time, electronics, sensor = rows.T
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{path}: not a temperature log ({error})") from error
+    return Temperature(time, electronics, sensor, sensor)
 
 
 def realistic(duration_s: float, rng: np.random.Generator, start_degC: float) -> Temperature:
