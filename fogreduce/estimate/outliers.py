@@ -1,10 +1,11 @@
 """Spurious samples at random instants: a Hampel test that leaves edges, rails and dead zones alone.
 
 A sample is spurious where it lies further than `threshold` robust standard deviations from the median of
-the nine samples around it. A median keeps monotone edges, so a spin-up passes; the scale never falls below
-what the record, its quantisation and the calibration record's noise say, so that a saturated or dead
-stretch, whose own scatter is nil, does not make outliers of the samples beside it. What lasts for five
-samples or more is not spurious at a random instant, and passes too.
+the nine samples around it. A median keeps monotone edges, so a spin-up passes; the scale is that of the
+noisiest stretch around, so that a burst of noise passes; and it never falls below what the block and the
+calibration record's noise say, so that a saturated or dead stretch, whose own scatter is nil, does not make
+outliers of the samples beside it. What lasts for five samples or more is not spurious at a random instant,
+and passes too.
 """
 
 from __future__ import annotations
@@ -15,9 +16,12 @@ from numpy.typing import NDArray
 Values = NDArray[np.float64] | NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
-_PIECE = 128  # samples whose scatter is judged together
+_PIECE = 128  # samples that are searched together, with as many on each side
+_JUDGED = 64  # samples whose scatter is judged together: the noisiest of those around counts
 _HALF = 4  # samples on each side in the running median
 _ACTIVE = 0.05  # where fewer differences than this are other than zero, the scatter is not known
+_IDLE = 8.0  # floors that stand for a scatter not known: only what is far out is spurious on a rail
+_SAME_STEPS = 3  # a smallest step that occurs as often is the converter's; one spike makes two
 
 #: Median of the absolute difference of two normal deviates, in their standard deviations.
 _MEDIAN_DIFFERENCE = 0.6744897501960817 * np.sqrt(2.0)
@@ -26,20 +30,18 @@ _MEDIAN_DIFFERENCE = 0.6744897501960817 * np.sqrt(2.0)
 CONTEXT = _PIECE
 
 
-def robust_scale(values: Values, floor: float) -> float:
+def robust_scale(values: Values, floor: float, idle: float | None = None) -> float:
     """Standard deviation of white noise in `values` (N,), from the differences of neighbours.
 
     The median absolute difference, differences of zero left out: quantised or clipped values then give
-    the size of their steps, not zero. Not below `floor`, nor below the smallest step.
+    the size of their steps, not zero. Not below `floor`. Where nearly all differences are zero the scatter
+    is not known, and `idle` (default: `floor`) stands for it.
     """
     steps = np.abs(np.diff(values.astype(np.float64, copy=False)))
     steps = steps[steps > 0]
-    if steps.size == 0:
-        return floor
-    least = max(floor, float(steps.min()))
     if steps.size < _ACTIVE * values.size:
-        return least
-    return max(least, _median(steps) / _MEDIAN_DIFFERENCE)
+        return floor if idle is None else idle
+    return max(floor, float(_median(steps) / _MEDIAN_DIFFERENCE))
 
 
 def _median(values: NDArray[np.float64]) -> float:
@@ -94,7 +96,7 @@ class OutlierSearch:
         """
         n, size = values.shape
         flags = np.zeros((n, size), bool)
-        if size < 2 * _HALF + 1:
+        if before is None and after is None and size < 2 * _HALF + 1:
             return flags
         pieces = -(-size // _PIECE)
         padded = _with_context(before, values, after, pieces * _PIECE - size)
@@ -104,20 +106,21 @@ class OutlierSearch:
         stride = max(1, size // 8192)
         for gyro in range(n):
             pairs = padded[gyro, : padded.shape[1] // 2 * 2].reshape(-1, 2)[::stride]
-            typical = _scale_of_pairs(pairs, self._floor[gyro])
+            typical, idle = _scales_of_pairs(pairs, self._floor[gyro])
             # A sample beyond the threshold makes the range of its three pieces at least as wide.
             suspects = np.flatnonzero(spread[gyro] > self._threshold * typical)
             if suspects.size:
                 around = np.lib.stride_tricks.sliding_window_view(padded[gyro], 3 * _PIECE)[suspects * _PIECE]
-                found = self._search(around, typical, self._floor[gyro])
+                found = self._search(around, typical, self._floor[gyro], idle)
                 whole = np.zeros((pieces, _PIECE), bool)
                 whole[suspects] = found
                 flags[gyro] = whole.ravel()[:size]
         return flags
 
-    def _search(self, around: Values, typical: float, floor: float) -> Flags:
+    def _search(self, around: Values, typical: float, floor: float, idle: float) -> Flags:
         """Spurious samples of pieces (m, PIECE), each given with its two neighbours, (m, 3 PIECE)."""
-        local = [robust_scale(row, floor) for row in around]
+        # A burst of noise that begins at the edge of a piece must not be judged by the quiet before it.
+        local = [max(robust_scale(part, floor, idle) for part in row.reshape(-1, _JUDGED)) for row in around]
         inner = around[:, _PIECE - _HALF : 2 * _PIECE + _HALF]
         windows = np.lib.stride_tricks.sliding_window_view(inner, 2 * _HALF + 1, axis=1)
         middle = running_median(windows)
@@ -125,12 +128,18 @@ class OutlierSearch:
         return distance > self._threshold * np.maximum(local, typical)[:, None]
 
 
-def _scale_of_pairs(pairs: Values, floor: float) -> float:
+def _scales_of_pairs(pairs: Values, floor: float) -> tuple[float, float]:
+    """Scatter of a block, and what stands for it where a stretch rests: not below the converter's step."""
     steps = np.abs(np.subtract(pairs[:, 1], pairs[:, 0], dtype=np.float64))
     steps = steps[steps > 0]
+    idle = _IDLE * floor
+    if steps.size >= _SAME_STEPS:
+        least = steps.min()
+        if np.count_nonzero(steps == least) >= _SAME_STEPS:
+            idle = max(idle, float(least))
     if steps.size < _ACTIVE * len(pairs):
-        return floor
-    return max(floor, _median(steps) / _MEDIAN_DIFFERENCE)
+        return floor, idle
+    return max(floor, _median(steps) / _MEDIAN_DIFFERENCE), idle
 
 
 def _with_context(before: Values | None, values: Values, after: Values | None, fill: int) -> Values:
@@ -140,12 +149,14 @@ def _with_context(before: Values | None, values: Values, after: Values | None, f
         head = values[:, np.minimum(np.arange(CONTEXT, 0, -1), size - 1)]
     else:
         head = _fit(before, CONTEXT, last=True)
+    joined = np.concatenate((head, values), axis=1)
     tail_size = CONTEXT + fill
     if after is None:
-        tail = values[:, size - 1 - np.minimum(np.arange(1, tail_size + 1), size - 1)]
+        last = joined.shape[1] - 1
+        tail = joined[:, last - np.minimum(np.arange(1, tail_size + 1), last)]
     else:
         tail = _fit(after, tail_size, last=False)
-    return np.concatenate((head, values, tail), axis=1)
+    return np.concatenate((joined, tail), axis=1)
 
 
 def _fit(context: Values, size: int, *, last: bool) -> Values:
