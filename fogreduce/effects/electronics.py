@@ -84,7 +84,7 @@ EFFECTS = (
             Parameter("volts", "V", "A", off=0.0, low=-1e6, high=1e6, realistic=(1e-7, 1e-4)),
             Parameter("period_volts", "V", "p", low=1e-12, high=1e9, realistic=(1e-4, 5.0)),
         ),
-        {"volts": 2e-5, "period_volts": 1e-3},
+        {"volts": 2e-5, "period_volts": 5e-3},
     ),
     Effect(
         "saturation",
@@ -93,7 +93,7 @@ EFFECTS = (
         saturation,
         "a converter's range: 1.25, 2.5, 5 or 10 V; a unit's rate range of 100 to 500 deg/s",
         (Parameter("volts", "V", "value", off=1e12, low=0.0, realistic=(0.05, 10.0)),),
-        {"volts": 4.3e-3},
+        {"volts": 0.2},
     ),
     Effect(
         "lost_bits",

@@ -78,7 +78,7 @@ EFFECTS = (
         spikes,
         _LINK,
         (_fraction(),),
-        {"fraction": 1e-4},
+        {"fraction": 1e-3},
     ),
     Effect(
         "stuck_samples",

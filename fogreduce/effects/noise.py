@@ -118,7 +118,7 @@ EFFECTS = (
         "shared light source or supply: relative intensity noise, Lefevre (2014), ch. 2; "
         "the paper's Table 5 implies some 0.1 to 0.5",
         (Parameter("correlation", "", "r", off=0.0, low=-1.0, high=1.0, realistic=(0.05, 0.9)),),
-        {"correlation": 0.8},
+        {"correlation": 0.9},
         smallest_group=2,
     ),
     Effect(

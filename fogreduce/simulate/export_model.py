@@ -42,7 +42,7 @@ _NOISE = (
 _ORBIT = (
     "attitude from the gyros alone over one orbit, the unit turning once about the axis named; the error at "
     "its end as angles about x, y, z [deg]. mean_deg: from the effects; sigma_deg: one standard deviation "
-    "from noise and uncertainties. errors_turn_with_body: to first order; each_axis_by_itself: as in the paper"
+    "from noise and uncertainties. errors_turn_with_body: to first order; each_axis_by_itself: the paper's"
 )
 
 

@@ -71,18 +71,16 @@ class Orbit:
     @property
     def times_s(self) -> Array:
         """Middles of the steps into which the orbit is cut, (K,)."""
-        times: Array = (np.arange(STEPS) + 0.5) * STEP_S
-        return times
+        return np.linspace(STEP_S / 2.0, ORBIT_S - STEP_S / 2.0, STEPS)
 
     def weights(self) -> Array:
         """(3, n, K) [deg per (deg/s)]: ``psi = sum over gyros and steps of weight times dM``."""
         projection = self.facts.projection
         assert projection is not None
-        turns = np.zeros_like(self.times_s)
-        if self.turning:
-            turns = np.radians(RATE_DEG_S * self.times_s)
-        turned = np.stack([rotation(self.vector, turn) @ projection for turn in turns], axis=2)
-        weights: Array = turned * STEP_S
+        weights = np.empty((*projection.shape, STEPS))
+        for k, time_s in enumerate(self.times_s):
+            turn = np.radians(RATE_DEG_S * time_s) if self.turning else 0.0
+            weights[:, :, k] = rotation(self.vector, turn) @ projection * STEP_S
         return weights
 
     def forward(self, actions: Sequence[Action] = ()) -> ForwardRun:
