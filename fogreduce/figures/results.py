@@ -1,0 +1,143 @@
+"""What the figures draw: a run's bins, fits and counts, read from its results folder."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.errors import BadInput
+from fogreduce.figures.envelope import Columns, columns_of
+from fogreduce.figures.style import Identity
+from fogreduce.stages.files import StageDataset, read_json
+from fogreduce.stages.setup import Setup, seconds
+
+Array = NDArray[np.float64]
+
+_KINDS = ("mean", "lowest", "highest", "count")
+
+
+@dataclass(frozen=True)
+class Family:
+    """Bins of several channels of one kind: gyros [V] or axes [deg/s]; arrays are (channels, m)."""
+
+    names: list[str]
+    time_s: Array
+    mean: Array
+    lowest: Array
+    highest: Array
+    count: Array
+
+    def columns(self, channel: int) -> Columns:
+        """One channel as a band."""
+        parts = (self.lowest, self.highest, self.mean, self.count)
+        return columns_of(self.time_s, *(part[channel] for part in parts))
+
+
+@dataclass(frozen=True)
+class Results:
+    """A reduced run.
+
+    Attributes
+    ----------
+    setup : Setup
+        Manifest and facts.
+    gyros, axes : Family
+        The run in bins; `axes` is None for a unit of one or two gyros.
+    fits, ingest : mapping
+        reports/fit.json and reports/ingest.json.
+    drift : list of dict
+        Rows of tables/drift.csv, as text.
+    """
+
+    setup: Setup
+    gyros: Family
+    axes: Family | None
+    fits: Mapping[str, Any]
+    ingest: Mapping[str, Any]
+    drift: list[dict[str, str]]
+
+    @classmethod
+    def read(cls, out: Path) -> Results:
+        """From a results folder; BadInput where a part is missing or belongs to another version."""
+        setup = Setup.read(out)
+        with StageDataset(setup, "bins") as source:
+            families = [("volts", setup.gyros)] + ([("axis_rate", setup.axes)] if setup.axes else [])
+            names = [f"{family}_{kind}" for family, _ in families for kind in _KINDS]
+            parts = [part for _, part in source.blocks(["time", *names])]
+        data = {name: np.concatenate([part[name] for part in parts], axis=-1) for name in parts[0]}
+        time_s = _steady(seconds(data["time"]))
+        made = [
+            Family(channels, time_s, *(data[f"{family}_{kind}"] for kind in _KINDS))
+            for family, channels in families
+        ]
+        return cls(
+            setup,
+            made[0],
+            made[1] if setup.axes else None,
+            _report(setup, "fit"),
+            _report(setup, "ingest"),
+            _table(setup.table("drift")),
+        )
+
+    @property
+    def identity(self) -> Identity:
+        """Campaign, run, version id and label."""
+        manifest = self.setup.manifest
+        run_id = str(manifest["run_id"])
+        return Identity(
+            str(manifest["campaign"]), run_id, self.setup.version_id, str(manifest.get("label") or "")
+        )
+
+    @property
+    def segments(self) -> list[dict[str, Any]]:
+        """The fits of each segment of constant rate."""
+        return list(self.fits["segments"])
+
+    @property
+    def bin_s(self) -> float:
+        """Length of a bin [s]."""
+        return float(self.fits["bin_s"])
+
+    @property
+    def guard_s(self) -> float:
+        """What the fit leaves out on both sides of an edge between segments [s]."""
+        return float(self.setup.parameters["edge_guard_s"])
+
+    @property
+    def span_s(self) -> tuple[float, float]:
+        """Times that a figure shows [s]: the commanded profile, and records after it."""
+        return 0.0, max(float(self.segments[-1]["stop_s"]), float(self.gyros.time_s[-1]))
+
+
+def _steady(time_s: Array) -> Array:
+    """Times of bins with one wrong among right ones replaced: a stamp that is wrong moves its bin's mean."""
+    if time_s.size < 3:
+        return time_s
+    inner = np.median([time_s[:-2], time_s[1:-1], time_s[2:]], axis=0)
+    step = 3 * float(np.median(np.diff(inner))) if inner.size > 1 else np.inf
+    first = np.clip(time_s[0], inner[0] - step, inner[0])
+    last = np.clip(time_s[-1], inner[-1], inner[-1] + step)
+    return np.concatenate(([first], inner, [last]))
+
+
+def _report(setup: Setup, name: str) -> dict[str, Any]:
+    path = setup.out / "reports" / f"{name}.json"
+    report = read_json(path)
+    if report.get("version_id") != setup.version_id:
+        expected = f"{setup.version_id}, as the manifest has it"
+        raise BadInput.at(path, "version_id", found=report.get("version_id"), expected=expected)
+    return report
+
+
+def _table(path: Path) -> list[dict[str, str]]:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+    except OSError as error:
+        raise BadInput.at(path, "", found=error.strerror, expected="a table of the reduction") from None

@@ -1,0 +1,109 @@
+"""What a fitted curve and the run's bins say of angles and residuals, for figures and for a closer look.
+
+All of it follows from the fits as `fogreduce.stages.fit.as_plain` gives them. Angles use the paper's offset
+rule, as `fogreduce.stages.drift` does: the curve starts at the commanded rate, then it is integrated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.estimate.mean_curve import curve, curve_integral
+
+Array = NDArray[np.float64]
+Segment = Mapping[str, Any]
+Item = Mapping[str, Any]
+
+
+def channel_of(segment: Segment, name: str) -> Item | None:
+    """The fit of a channel in a segment; None where its records determined no curve."""
+    return next((item for item in segment["channels"] if item is not None and item["channel"] == name), None)
+
+
+def fitted_curve(item: Item, time_s: Array) -> Array:
+    """The fitted mean curve at times [s], in the channel's unit."""
+    return curve(time_s, np.append(item["theta"], item["rate_rad_s"]))
+
+
+def binned_curve(item: Item, time_s: Array, bin_s: float) -> Array:
+    """Means of the fitted curve over bins of length `bin_s` [s] about their middles `time_s` [s]."""
+    theta = np.append(item["theta"], item["rate_rad_s"])
+    # A bin's mean of the sine is its middle value times sinc of half the turn within the bin.
+    theta[1:3] *= np.sinc(item["rate_rad_s"] * bin_s / (2 * np.pi))
+    return curve(time_s, theta)
+
+
+def residual_bins(
+    segments: Sequence[Segment], name: str, time_s: Array, mean: Array, bin_s: float, guard_s: float
+) -> Array:
+    """Bins less the fitted curve, one channel.
+
+    Parameters
+    ----------
+    segments : sequence of mappings
+        The fits.
+    name : str
+        The channel.
+    time_s, mean : (m,) arrays
+        Middles of the bins [s] and their means.
+    bin_s, guard_s : float
+        Length of a bin; what the fit leaves out on both sides of an edge between segments [s].
+
+    Returns
+    -------
+    (m,) array
+        NaN where a bin is not wholly inside a segment (guard left out) that has a curve.
+    """
+    found = np.full(time_s.shape, np.nan)
+    for k, segment in enumerate(segments):
+        item = channel_of(segment, name)
+        if item is None:
+            continue
+        low = segment["start_s"] + (guard_s + bin_s / 2 if k else -np.inf)
+        high = segment["stop_s"] - (guard_s + bin_s / 2 if k < len(segments) - 1 else -np.inf)
+        inside = (time_s >= low) & (time_s < high)
+        found[inside] = mean[inside] - binned_curve(item, time_s[inside], bin_s)
+    return found
+
+
+def error_angle(segments: Sequence[Segment], axis: str, time_s: Array) -> Array:
+    """Angle by the offset-adjusted curve less the commanded one [deg], at times [s], over all segments.
+
+    At a segment's end it is the sum of the segments' accumulated errors up to there (drift.csv). NaN
+    before the first segment, after the last, and from the first segment on that has no curve.
+    """
+    found = np.full(time_s.shape, np.nan)
+    before = 0.0
+    for segment in segments:
+        item = channel_of(segment, axis)
+        if item is None:
+            break
+        edges = np.array([segment["start_s"], segment["stop_s"]])
+        inside = (time_s >= edges[0]) & (time_s <= edges[1])
+        theta = np.append(item["theta"], item["rate_rad_s"])
+        at_start = curve(edges[:1], theta)[0]
+        times = np.append(time_s[inside], edges[1])
+        turned = curve_integral(times, theta) - curve_integral(edges[:1], theta)
+        angles = turned - at_start * (times - edges[0])
+        found[inside] = before + angles[:-1]
+        before += float(angles[-1])
+    return found
+
+
+def measured_error_angle(residual: Array, bin_s: float, curve_error: Array) -> Array:
+    """Angle by the measured bins less the commanded one [deg], at the ends of bins.
+
+    Parameters
+    ----------
+    residual : (m,) array
+        From `residual_bins` [deg/s]; where it is NaN, the curve stands in.
+    bin_s : float
+        Length of a bin [s].
+    curve_error : (m,) array
+        `error_angle` at the bins' ends [deg].
+    """
+    return curve_error + np.cumsum(np.nan_to_num(residual)) * bin_s
