@@ -3,6 +3,7 @@
 import pytest
 from labels import cause, diagnosis, effect, label
 
+from withheld.score.diagnosis_file import key_of
 from withheld.score.judge import judge
 from withheld.study.protocol import Thresholds
 
@@ -80,6 +81,14 @@ def test_a_swap_may_be_named_from_either_side():
     swap = effect("channel_swap", "gyro1", **{"with": "gyro3"})
     assert of(("single", swap), "explained", cause("channel_swap", "gyro3")).exact
     assert not of(("single", swap), "explained", cause("channel_swap", "gyro2")).exact
+    assert of(("single", swap), "explained", cause("channel_swap", "gyro1", "gyro3")).exact
+    assert not of(("single", swap), "explained", cause("channel_swap", "gyro1", "gyro2")).exact
+
+
+def test_a_swap_s_partner_is_read_as_one_of_its_gyros():
+    for partner in ("gyro1", {"value": "gyro1"}):
+        item = {"effect": "channel_swap", "channels": ["gyro3"], "parameters": {"with": partner}}
+        assert key_of(item) == ("channel_swap", ("gyro1", "gyro3"), ("*",))
 
 
 @pytest.mark.parametrize(

@@ -164,7 +164,9 @@ def scored(tmp_path):
 
 def reseal(folder):
     write_seal(
-        folder / "diagnoses.sha256", list((folder / "diagnoses").rglob("*.json")), folder / "diagnoses"
+        folder / "diagnoses.sha256",
+        list((folder / "diagnoses").rglob("diagnosis.json")),
+        folder / "diagnoses",
     )
 
 
@@ -188,7 +190,7 @@ def test_scores_of_a_sealed_study(scored):
 
 
 @pytest.mark.parametrize(
-    "name", ["protocol.json", "sealed/batch-000.json", "diagnoses/batch-000/timing.json"]
+    "name", ["protocol.json", "sealed/batch-000.json", "diagnoses/batch-000/case-0001/diagnosis.json"]
 )
 def test_nothing_is_scored_behind_a_broken_seal(scored, name):
     (scored / name).write_text((scored / name).read_text() + " ")
@@ -200,6 +202,8 @@ def test_a_diagnosis_that_came_after_the_seal_is_none(scored):
     late = scored / "diagnoses" / "batch-000" / "case-0001" / "diagnosis.json"
     content = late.read_bytes()
     late.unlink()
+    other = late.parents[1] / "case-0002" / "diagnosis.json"
+    write_json(other, {})
     reseal(scored)
     late.write_bytes(content)
     assert scored_with(scored)["outcomes"][0]["valid"] is False

@@ -43,8 +43,16 @@ def _probability(value: Any, name: str, path: Path) -> float:
 
 
 def key_of(item: Mapping[str, Any]) -> Key:
-    """Effect, channels and runs; all runs where none are named."""
-    return (str(item["effect"]), tuple(sorted(item["channels"])), tuple(sorted(item.get("runs", ("*",)))))
+    """Effect, channels and runs; all runs where none are named.
+
+    A swap's partner, a parameter in the contract, counts among its channels, so that the two sides of a
+    swap have one key.
+    """
+    channels = set(item["channels"])
+    if item["effect"] == "channel_swap" and "with" in item.get("parameters", {}):
+        partner = item["parameters"]["with"]
+        channels.add(partner["value"] if isinstance(partner, Mapping) else partner)
+    return (str(item["effect"]), tuple(sorted(channels)), tuple(sorted(item.get("runs", ("*",)))))
 
 
 def _number_pairs(parameters: Mapping[str, Any]) -> dict[str, tuple[float, float]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from withheld.effects.catalogue import IN_ONE_RUN
-from withheld.score.diagnosis_file import Cause, Diagnosis, Key
+from withheld.score.diagnosis_file import Cause, Diagnosis, Key, key_of
 from withheld.study.protocol import Thresholds
 
 CATALOGUED = ("single", "pair", "triple")
@@ -67,26 +67,22 @@ class Outcome:
     seconds: float | None = None
 
 
-def same(one: Key, truth: Key, parameters: Mapping[str, Any]) -> bool:
+def same(stated: Key, truth: Key) -> bool:
     """Whether a stated cause is the truth: effect and channels, and the run where the effect sits in one.
 
-    A swap may be named from either side.  `parameters` are the truth's.
+    A swap may be named from either side, its partner left out, but not with another partner.
     """
-    if one[0] != truth[0]:
+    if stated[0] != truth[0]:
         return False
-    if truth[0] in IN_ONE_RUN and one[2] != truth[2]:
+    if truth[0] in IN_ONE_RUN and stated[2] != truth[2]:
         return False
     if truth[0] == "channel_swap":
-        return one[1] in (truth[1], (parameters["with"],))
-    return one[1] == truth[1]
-
-
-def _truth_key(effect: Mapping[str, Any]) -> Key:
-    return (effect["effect"], tuple(sorted(effect["channels"])), tuple(sorted(effect["runs"])))
+        return bool(stated[1]) and set(stated[1]) <= set(truth[1])
+    return stated[1] == truth[1]
 
 
 def _is(key: Key, effect: Mapping[str, Any]) -> bool:
-    return same(key, _truth_key(effect), effect["parameters"])
+    return same(key, key_of(effect))
 
 
 def separation_of(member: Key, effect: Mapping[str, Any], kept_below: float) -> float:
@@ -96,8 +92,7 @@ def separation_of(member: Key, effect: Mapping[str, Any], kept_below: float) -> 
     if _is(member, effect):
         return 0.0
     for rival in effect["rivals"]:
-        key = (rival["effect"], tuple(sorted(rival["channels"])), tuple(sorted(rival["runs"])))
-        if same(member, key, rival.get("parameters", {"with": ""})):
+        if same(member, key_of(rival)):
             return float(rival["separation"])
     return kept_below
 

@@ -19,9 +19,8 @@ WITHHELD = {
     "ledger": None,  # the book of studies scored; by default with the kept reports (full) or results (small)
     **config.get("withheld", {}),
 }
-WITHHELD_CASES = {"small": 20, "full": 1216}[
-    WITHHELD["study"]
-]  # the protocol's command checks it
+# The protocol's command checks the number of cases.
+WITHHELD_CASES = {"small": 20, "full": 1216}[WITHHELD["study"]]
 WITHHELD_OUT = f"{config.get('results_dir', 'results')}/withheld/{WITHHELD['study']}-{WITHHELD['seed']}"
 WITHHELD_LEDGER = WITHHELD["ledger"] or (
     "docs/withheld-studies/ledger.json"
@@ -35,9 +34,10 @@ WITHHELD_BATCHES = [
 
 def withheld_code(*parts):
     """Digest of some of the bench's packages: what an edit of them makes anew."""
+    root = Path(str(workflow.current_basedir)).resolve().parents[1] / "withheld"
     digest = hashlib.sha256()
     for part in parts:
-        for path in sorted(Path("withheld", part).glob("*.py")):
+        for path in sorted((root / part).glob("*.py")):
             digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -47,14 +47,10 @@ def withheld_earlier(wildcards):
     number = int(wildcards.batch) - WITHHELD["window"]
     if number < 0:
         return []
-    return expand(
-        f"{WITHHELD_OUT}/diagnoses/{{candidate}}/batch-{number:03d}",
-        candidate=WITHHELD["candidates"],
-    )
-
-
-wildcard_constraints:
-    batch=r"\d{3}",
+    return [
+        f"{WITHHELD_OUT}/diagnoses/{candidate}/batch-{number:03d}"
+        for candidate in WITHHELD["candidates"]
+    ]
 
 
 rule withheld:
@@ -84,6 +80,8 @@ rule withheld_make:
     output:
         campaigns=temp(directory(f"{WITHHELD_OUT}/campaigns/batch-{{batch}}")),
         labels=f"{WITHHELD_OUT}/sealed/batch-{{batch}}.json",
+    wildcard_constraints:
+        batch=r"\d{3}",
     params:
         size=WITHHELD["batch"],
     shell:
@@ -107,10 +105,11 @@ rule withheld_diagnose:
         campaigns=rules.withheld_make.output.campaigns,
     output:
         directory(f"{WITHHELD_OUT}/diagnoses/{{candidate}}/batch-{{batch}}"),
+    wildcard_constraints:
+        batch=r"\d{3}",
     priority: 10
     params:
         diagnoser=lambda wildcards: WITHHELD["candidates"][wildcards.candidate],
-        code=lambda wildcards: withheld_code("."),
     shell:
         "python -m withheld diagnose --diagnoser {params.diagnoser:q}"
         " --batch {input.campaigns} --out {output}"
@@ -127,7 +126,7 @@ rule withheld_seal_diagnoses:
     params:
         root=lambda wildcards: f"{WITHHELD_OUT}/diagnoses/{wildcards.candidate}",
     shell:
-        "python -m withheld seal --root {params.root} --files 'batch-*/**/*.json' --out {output}"
+        "python -m withheld seal --root {params.root} --files 'batch-*/case-*/diagnosis.json' --out {output}"
 
 
 rule withheld_score:
@@ -138,8 +137,6 @@ rule withheld_score:
         labels=rules.withheld_seal_labels.input,
     output:
         f"{WITHHELD_OUT}/scores/{{candidate}}.json",
-    resources:
-        withheld_ledger=1,
     params:
         ledger=WITHHELD_LEDGER,
         labels=rules.withheld_seal_labels.params.root,
