@@ -14,11 +14,11 @@ from typing import Any
 
 import fogreduce
 from fogreduce.archive.digest import code_digest, data_digest, file_digest
+from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.folder import cross_check, load_calibration, load_campaign, load_run
 
-SCHEMA = "fogreduce/manifest/1"
 _LIBRARIES = ("numpy", "h5py", "pydantic", "pyyaml")
 _ID_DIGITS = 16
 
@@ -47,7 +47,7 @@ def manifest(run_dir: Path, calibrations_dir: Path, parameters: Mapping[str, Any
     names += [name for name in (run.temperature, run.table_log) if name is not None]
     campaign_dir = run_dir.resolve().parent.parent
     body: dict[str, Any] = {
-        "schema": SCHEMA,
+        "schema": MANIFEST_SCHEMA,
         "inputs": [_input(run_dir, name) for name in names],
         "software": {
             "fogreduce": fogreduce.__version__,
@@ -59,11 +59,11 @@ def manifest(run_dir: Path, calibrations_dir: Path, parameters: Mapping[str, Any
         "run_id": run.run_id,
         "label": load_campaign(campaign_dir).label,
         "calibration": {"id": run.calibration, "sha256": file_digest(record_path)},
-        "parameters": ReductionConfig.from_data(dict(parameters), "configuration").model_dump(mode="json"),
+        "parameters": ReductionConfig.from_data(dict(parameters), "--parameters").model_dump(mode="json"),
         "run": run.model_dump(mode="json", exclude_none=True),
         "calibration_record": record.model_dump(mode="json", exclude_none=True),
     }
-    return {"schema": SCHEMA, "version_id": data_digest(body)[:_ID_DIGITS], **body}
+    return {"schema": MANIFEST_SCHEMA, "version_id": data_digest(body)[:_ID_DIGITS], **body}
 
 
 def _input(run_dir: Path, name: str) -> dict[str, Any]:

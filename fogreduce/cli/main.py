@@ -8,9 +8,10 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from fogreduce import __version__
-from fogreduce.errors import FogreduceError
+from fogreduce.errors import Fault, FogreduceError
 
 #: Subcommand -> (module of `fogreduce.cli`, what it does).
 COMMANDS = {
@@ -23,6 +24,23 @@ COMMANDS = {
     "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),
     "curve": ("curve", "fit the mean curve of a reduced run with its rate free, by Levenberg-Marquardt"),
     "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
+}
+
+
+#: What the system refuses because of what the user asked for -> what was expected.
+_EXPECTED = {
+    errno.ENOENT: "a file or folder that is there",
+    errno.EACCES: "permission to read or write it",
+    errno.EPERM: "permission to read or write it",
+    errno.EISDIR: "a file",
+    errno.ENOTDIR: "a folder",
+    errno.EEXIST: "a folder",
+    errno.EROFS: "a disk that may be written",
+    errno.ENOSPC: "room on the disk",
+    errno.EDQUOT: "room in the quota",
+    errno.EFBIG: "a limit on the size of files that lets it be written",
+    errno.ENAMETOOLONG: "a shorter name",
+    errno.ELOOP: "links that lead somewhere",
 }
 
 
@@ -54,15 +72,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _system_error(error: OSError) -> int:
-    """A file that cannot be read or written: bad input where the user chose it, else a fault of the machine."""
-    place = f"{error.filename}: " if error.filename else ""
+    """A file that cannot be read or written: bad input where the user can mend it, else the machine."""
     if isinstance(error, BrokenPipeError):
         # Whoever read our output has gone; nothing is left to say.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    print(f"{place}{error.strerror or error}", file=sys.stderr)
-    usage = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR, errno.EROFS, errno.ENOSPC)
-    return 2 if error.errno in usage else 1
+    file, found = str(error.filename or "a file"), error.strerror or str(error)
+    expected = _EXPECTED.get(error.errno or 0)
+    if error.errno in (errno.ENOTDIR, errno.EEXIST):
+        # Not the file that was asked for, but what stands in its way.
+        file = next((str(path) for path in (Path(file), *Path(file).parents) if path.exists()), file)
+        found = "a file"
+    print(Fault(file, "", found, expected or "a file that can be read or written"), file=sys.stderr)
+    return 2 if expected else 1
 
 
 def console() -> None:

@@ -18,10 +18,19 @@ class TemporaryFile:
 
     def finish(self, *, keep: bool) -> None:
         """Rename onto the target, or remove."""
-        if keep:
-            self.path.replace(self.target)
-        else:
+        try:
+            if keep:
+                self.path.replace(self.target)
+        except OSError as error:
+            raise naming(error, self.target) from None
+        finally:
             self.path.unlink(missing_ok=True)
+
+
+def naming(error: OSError, target: Path) -> OSError:
+    """The same error of the system, short, and with the name of the file that was to be written."""
+    text = str(error) if error.errno is None else os.strerror(error.errno)
+    return OSError(error.errno, text, str(target))
 
 
 @contextmanager
@@ -30,6 +39,9 @@ def whole_file(target: Path) -> Iterator[Path]:
     temporary = TemporaryFile(target)
     try:
         yield temporary.path
+    except OSError as error:
+        temporary.finish(keep=False)
+        raise naming(error, target) from None
     except BaseException:
         temporary.finish(keep=False)
         raise

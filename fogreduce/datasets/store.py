@@ -7,20 +7,28 @@ arithmetic; where they are chunked or compressed, h5py writes them.
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.datasets.atomic import TemporaryFile
+from fogreduce.datasets.atomic import TemporaryFile, naming
 from fogreduce.datasets.templates import Attributes, Variable
 from fogreduce.datasets.worker import Worker
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer as Buffer
+
+
+#: Larger pieces of a file begin at multiples of eight bytes, so that readers may map them.
+_ALIGNED = {"alignment_threshold": 256, "alignment_interval": 8}
 
 
 @dataclass(frozen=True)
@@ -66,12 +74,16 @@ class DatasetWriter:
 
     def __enter__(self) -> DatasetWriter:
         try:
-            self._file = h5py.File(self._target.path, "w", libver=("earliest", "v110"), track_order=True)
+            self._disk = _NotingFile(self._target.path, "w+")
+            self._file = h5py.File(self._disk, "w", libver=("earliest", "v110"), track_order=True, **_ALIGNED)
             self._lay_out()
             if not self._storage.chunk_records:
                 self._offsets = {name: self._file[name].id.get_offset() for name in self._variables}
-                self._file.close()
-                self._raw = _PlacedWriter(self._target.path)
+                self._close_file()
+                self._raw = _PlacedWriter(self._target)
+        except OSError as error:
+            self._target.finish(keep=False)
+            raise naming(error, self._target.target) from None
         except BaseException:
             self._target.finish(keep=False)
             raise
@@ -125,6 +137,8 @@ class DatasetWriter:
         values = np.ascontiguousarray(values, dtype=variable.dtype)
         if self._storage.chunk_records:
             self._file[name][..., start : start + values.shape[-1]] = values
+            if self._disk.error is not None:
+                raise naming(self._disk.error, self._target.target)
             return
         size = values.dtype.itemsize
         length = self._sizes[variable.dims[-1]]
@@ -136,13 +150,49 @@ class DatasetWriter:
     ) -> None:
         try:
             if self._storage.chunk_records:
-                self._file.close()
+                self._close_file()
             else:
                 self._raw.close()
+        except OSError as closing:
+            self._target.finish(keep=False)
+            raise naming(closing, self._target.target) from None
         except BaseException:
             self._target.finish(keep=False)
             raise
         self._target.finish(keep=kind is None)
+
+    def _close_file(self) -> None:
+        self._file.close()
+        self._disk.close()
+        if self._disk.error is not None:
+            raise self._disk.error
+
+
+class _NotingFile(io.FileIO):
+    """A file for HDF5 that keeps its first error of writing to itself and goes on as if nothing were wrong.
+
+    HDF5, once told that a disk is full, can neither close the file nor end the process in good order.
+    """
+
+    error: OSError | None = None
+
+    def write(self, data: Buffer, /) -> int:
+        view = memoryview(data).cast("B")
+        end = self.tell() + len(view)
+        try:
+            while len(view) and self.error is None:
+                view = view[super().write(view) :]
+        except OSError as error:
+            self.error = error
+        self.seek(end)
+        return len(memoryview(data).cast("B"))
+
+    def truncate(self, size: int | None = None, /) -> int:
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return size or 0
 
 
 class _PlacedWriter:
@@ -150,17 +200,21 @@ class _PlacedWriter:
 
     _MOST_WAITING = 64
 
-    def __init__(self, path: Path) -> None:
-        self._descriptor = os.open(path, os.O_WRONLY)
+    def __init__(self, file: TemporaryFile) -> None:
+        self._target = file.target
+        self._descriptor = os.open(file.path, os.O_WRONLY)
         self._worker = Worker(self._MOST_WAITING)
 
     def put(self, offset: int, values: NDArray[Any]) -> None:
         self._worker.do(lambda: self._write(offset, memoryview(values).cast("B")))
 
     def _write(self, offset: int, view: memoryview) -> None:
-        while len(view):
-            written = os.pwrite(self._descriptor, view, offset)
-            view, offset = view[written:], offset + written
+        try:
+            while len(view):
+                written = os.pwrite(self._descriptor, view, offset)
+                view, offset = view[written:], offset + written
+        except OSError as error:
+            raise naming(error, self._target) from None
 
     def close(self) -> None:
         try:

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.datasets.block import Block
+from fogreduce.datasets.logs import read_table_log, read_temperature
 from fogreduce.datasets.readers import Reader, open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
 from fogreduce.datasets.worker import Worker
-from fogreduce.errors import BadInput
+from fogreduce.errors import BadInput, Fault
 from fogreduce.physics.quantization import volts_from_counts
 from fogreduce.stages import drift as drift_stage
 from fogreduce.stages import encoder as encoder_stage
@@ -24,7 +25,7 @@ from fogreduce.stages.calibrate import calibrate
 from fogreduce.stages.files import (
     StageDataset,
     open_writer,
-    read_json,
+    read_report,
     write_axis_rates,
     write_bins,
     write_gyro_rates,
@@ -132,16 +133,26 @@ def run_fit(setup: Setup) -> None:
 
 def run_drift(setup: Setup) -> None:
     """Stage 6: the paper's offset rule and the integration."""
-    fits = read_json(setup.out / "reports" / "fit.json")
+    fits = read_report(setup, "fit")
     rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
     tables.write_table(setup.table("drift"), drift_stage.DRIFT_COLUMNS, rows)
 
 
 def _open_capture(setup: Setup, run_dir: Path) -> Reader:
-    capture = setup.manifest["run"]["capture"]
-    path = run_dir / capture["file"]
-    reader = open_capture(path, capture["format"], setup.facts.sample_rate_hz)
+    """The capture, held against run.yaml and the manifest; the logs beside it are read too, line by line."""
+    run = setup.manifest["run"]
+    path = run_dir / run["capture"]["file"]
+    reader = open_capture(path, run["capture"]["format"], setup.facts.sample_rate_hz)
     faults = contradictions(reader.facts, setup.facts, path)
+    stated = next(item["bytes"] for item in setup.manifest["inputs"] if item["name"] == path.name)
+    if (size := path.stat().st_size) != stated:
+        faults.append(Fault(str(path), "", f"{size} bytes", f"{stated}, as the manifest has it"))
+    for key, read in (("temperature", read_temperature), ("table_log", read_table_log)):
+        if run.get(key) is not None:
+            try:
+                read(run_dir / run[key])
+            except BadInput as error:
+                faults += error.faults
     if faults:
         raise BadInput(*faults)
     return reader
