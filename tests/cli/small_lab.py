@@ -1,9 +1,12 @@
 """A laboratory on disk small enough to be spoilt in sixty ways: one run of one minute at 16 Hz."""
 
 import copy
+import json
 import struct
+from contextlib import suppress
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from fogreduce.metadata.yaml12 import dump_yaml
@@ -136,6 +139,17 @@ class SmallLab:
             str(self.out),
             *more,
         ]
+
+    def versions(self) -> dict[str, str]:
+        """Version ids of the manifest and of the dataset of ingest, as far as they are there."""
+        manifest, dataset = self.out / "manifest.json", self.out / "datasets" / "ingest.nc"
+        found = {}
+        if manifest.is_file() and '"version_id"' in manifest.read_text():
+            found["version"] = json.loads(manifest.read_text())["version_id"]
+        if dataset.is_file():
+            with suppress(OSError), h5py.File(dataset) as file:
+                found["stale"] = file.attrs["version_id"]
+        return found
 
     def manifest(self) -> list[str]:
         """Arguments that write the run's manifest."""
