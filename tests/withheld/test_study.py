@@ -13,7 +13,7 @@ from withheld.score.scoring import score
 from withheld.streams import stream
 from withheld.study.batch import check_study, check_training, make_batch
 from withheld.study.cases import draw_case, plans
-from withheld.study.draws import LAWS
+from withheld.study.laws import LAWS
 from withheld.study.ledger import enter
 from withheld.study.protocol import code_hash, protocol_document, protocol_from, study
 from withheld.study.seal import check_seal, write_seal

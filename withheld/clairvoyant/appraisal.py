@@ -15,7 +15,7 @@ from withheld.clairvoyant.rivals import EVERY, Key, Rival, slow_rivals
 from withheld.clairvoyant.separation import left_by, separations, snr
 from withheld.effects.entry import Entry
 
-GROUP_BELOW = 4.0
+# A label lists rivals up to this separation; groups are judged well below it.
 KEPT_BELOW = 12.0
 # These change means too, so that block means tell about them.
 _BOTH = ("low_pass",)
@@ -122,7 +122,7 @@ def oracle_closure(world: World, inner: Metric) -> float | None:
 
 
 def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[str, Any]:
-    """For each effect its SNR, its rivals' separations, and its group: itself and what stands below 4."""
+    """For each effect its SNR, its rivals' separations, the nearest first."""
     inner = metric(world)
     effects: list[dict[str, Any]] = []
     rivals = slow_rivals(world, inner, catalogue) if world.entries else []

@@ -13,15 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from withheld.arrays import Array
-from withheld.chain.campaign import Run
 from withheld.chain.injector import World
-from withheld.chain.motion import Motion, motion
-from withheld.chain.readings import sense
-from withheld.chain.temperature import Temperature
 from withheld.chain.truth import nominal
-from withheld.clairvoyant.blocks import Metric, block_means, difference, fine_times
+from withheld.clairvoyant.blocks import Metric, difference
+from withheld.clairvoyant.columns import Columns
 from withheld.effects.entry import Entry
-from withheld.effects.gyro import BIASES, SCALES, Scene, Shape, dead_zone
+from withheld.effects.gyro import BIASES, SCALES, dead_zone
 
 Key = tuple[str, tuple[str, ...], tuple[str, ...]]
 EVERY = ("*",)
@@ -43,107 +40,22 @@ class Rival:
         return (self.effect, self.channels, self.runs)
 
 
-@dataclass(frozen=True)
-class _Run:
-    """A run without anything wrong, on its fine times: motion, scene and readings (k, n) [deg/s]."""
-
-    run: Run
-    scene: Scene
-    m: Array
-
-
-def _nominal_runs(world: World) -> list[_Run]:
-    campaign = world.campaign
-    still = nominal(campaign)
-    out = []
-    for run in campaign.runs:
-        t = fine_times(run)
-        heat = world.heat[run.run_id]
-        logged = Temperature(heat.time_s, heat.electronics_degC, heat.sensor_degC, heat.sensor_degC)
-        moving = motion(run, still, (), t)
-        m = sense(run, campaign.unit, still, (), logged, moving)
-        out.append(_Run(run, Scene(moving, logged, campaign.unit.axes), m))
-    return out
-
-
-class _Builder:
-    """Puts values of one gyro, or of all, into whitened columns."""
-
-    def __init__(self, world: World, inner: Metric) -> None:
-        self.world, self.inner = world, inner
-        self.runs = _nominal_runs(world)
-        self.n = world.campaign.unit.n
-        sizes = [[f.shape[0] for f in filters] for filters in inner.filters]
-        ends = np.cumsum([size for row in sizes for size in row]).tolist()
-        self.start = {
-            (r, i): [0, *ends][r * self.n + i] for r in range(len(self.runs)) for i in range(self.n)
-        }
-        self.rows = ends[-1]
-
-    def place(self, parts: dict[tuple[int, int], Array]) -> Array:
-        """Fine values (k, c) [deg/s] by (run, gyro) -> whitened columns (rows, c)."""
-        width = next(iter(parts.values())).shape[1]
-        column = np.zeros((self.rows, width))
-        for (r, i), values in parts.items():
-            matrix = self.inner.filters[r][i]
-            start = self.start[r, i]
-            column[start : start + len(matrix)] = matrix @ block_means(values) * 3600.0
-        return column
-
-    def gyro(self, i: int, *entries: Entry, shapes: dict[str, Shape]) -> Array:
-        """One column an entry, for gyro i in every run in which the entry acts."""
-        parts = {}
-        for r, one in enumerate(self.runs):
-            values = [
-                shapes[e.effect](one.scene, i, one.m[:, i], e) * np.ones(one.scene.t.size)
-                if e.acts_in(one.run.run_id)
-                else np.zeros(one.scene.t.size)
-                for e in entries
-            ]
-            parts[r, i] = np.stack(values, axis=-1)
-        return self.place(parts)
-
-    def moved(self, entries: tuple[Entry, ...]) -> Array:
-        """One column an entry of the table's block, by a small finite step."""
-        still = nominal(self.world.campaign)
-        unit = self.world.campaign.unit
-        parts: dict[tuple[int, int], Array] = {}
-        for r, one in enumerate(self.runs):
-            changes = []
-            for entry in entries:
-                moving: Motion = motion(one.run, still, (entry,), one.scene.t)
-                changes.append(sense(one.run, unit, still, (), one.scene.temperature, moving) - one.m)
-            for i in range(self.n):
-                parts[r, i] = np.stack([change[:, i] for change in changes], axis=-1)
-        return self.place(parts)
-
-    def lines(self, frequency_hz: float) -> Array:
-        """Sine and cosine on each gyro in each run, (rows, gyros, 2 runs)."""
-        columns = np.zeros((self.rows, self.n, 2 * len(self.runs)))
-        for r, one in enumerate(self.runs):
-            turn = 2 * np.pi * frequency_hz * one.scene.t
-            pair = np.stack([np.sin(turn), np.cos(turn)], axis=-1)
-            for i in range(self.n):
-                columns[:, i, 2 * r : 2 * r + 2] = self.place({(r, i): pair})
-        return columns
-
-
 def _unit(effect: str, parameter: str, value: float = 1.0, **others: object) -> Entry:
     return Entry(effect, (), EVERY, {parameter: value, **others})
 
 
-def _gyro_rivals(b: _Builder, i: int) -> Iterator[Rival]:
+def _gyro_rivals(columns: Columns, i: int) -> Iterator[Rival]:
     name = (f"gyro{i + 1}",)
     shapes = {**BIASES, **SCALES, "dead_zone": dead_zone}
 
     def rival(effect: str, *entries: Entry, runs: tuple[str, ...] = EVERY) -> Rival:
-        return Rival(effect, name, runs, b.gyro(i, *entries, shapes=shapes))
+        return Rival(effect, name, runs, columns.gyro(i, *entries, shapes=shapes))
 
     yield rival("bias_offset", _unit("bias_offset", "deg_h"))
     yield rival("bias_ramp", _unit("bias_ramp", "deg_h_per_h"))
     for tau in (10.0, 30.0, 100.0, 300.0, 1000.0):
         yield rival("warm_up", _unit("warm_up", "deg_h", tau_s=tau))
-    if all(one.run.temperature for one in b.runs):
+    if all(one.run.temperature for one in columns.runs):
         yield rival("temperature_bias", _unit("temperature_bias", "deg_h_per_degC"))
         yield rival("temperature_rate_bias", _unit("temperature_rate_bias", "deg_h_per_degC_per_min"))
         yield rival("temperature_scale_factor", _unit("temperature_scale_factor", "ppm_per_degC"))
@@ -157,76 +69,76 @@ def _gyro_rivals(b: _Builder, i: int) -> Iterator[Rival]:
     for kind in ("threshold", "subtractive"):
         for width in np.geomspace(0.3, 100.0, 9):
             yield rival("dead_zone", _unit("dead_zone", "deg_h", float(width), kind=kind))
-    for one in b.runs:
+    for one in columns.runs:
         here = (one.run.run_id,)
         yield rival("turn_on_bias", Entry("turn_on_bias", (), here, {"deg_h": 1.0}), runs=here)
         for share in np.linspace(0.0, 1.0, 14)[1:-1]:
             step = Entry("bias_step", (), here, {"deg_h": 1.0, "time_s": share * one.run.duration_s})
             yield rival("bias_step", step, runs=here)
-    yield from _electronic_rivals(b, i)
+    yield from _electronic_rivals(columns, i)
 
 
-def _electronic_rivals(b: _Builder, i: int) -> Iterator[Rival]:
+def _electronic_rivals(columns: Columns, i: int) -> Iterator[Rival]:
     name = (f"gyro{i + 1}",)
-    axes = b.world.campaign.unit.axes
+    axes = columns.world.campaign.unit.axes
     tips = {
         (r, i): (one.scene.motion.w * np.array(one.run.frame_signs))
         @ (np.eye(3) - np.outer(axes[i], axes[i]) / (axes[i] @ axes[i]))
-        for r, one in enumerate(b.runs)
+        for r, one in enumerate(columns.runs)
     }
-    yield Rival("axis_misalignment", name, EVERY, b.place(tips))
-    for j in range(b.n):
+    yield Rival("axis_misalignment", name, EVERY, columns.place(tips))
+    for j in range(columns.n):
         if j != i:
-            other = {(r, i): one.m[:, [j]] for r, one in enumerate(b.runs)}
-            yield Rival("crosstalk", name, EVERY, b.place(other))
-    late = {(r, i): np.gradient(one.m[:, [i]], one.scene.t, axis=0) for r, one in enumerate(b.runs)}
+            other = {(r, i): one.m[:, [j]] for r, one in enumerate(columns.runs)}
+            yield Rival("crosstalk", name, EVERY, columns.place(other))
+    late = {(r, i): np.gradient(one.m[:, [i]], one.scene.t, axis=0) for r, one in enumerate(columns.runs)}
     if any(np.abs(values).max() > 1e-9 for values in late.values()):
-        yield Rival("latency", name, EVERY, b.place(late))
-        yield Rival("low_pass", name, EVERY, b.place(late))
-    most = max(float(np.abs(one.m[:, i]).max()) for one in b.runs)
+        yield Rival("latency", name, EVERY, columns.place(late))
+        yield Rival("low_pass", name, EVERY, columns.place(late))
+    most = max(float(np.abs(one.m[:, i]).max()) for one in columns.runs)
     for share in (0.5, 0.8, 0.99, 0.9999):
         clip = {
             (r, i): np.clip(one.m[:, [i]], -share * most, share * most) - one.m[:, [i]]
-            for r, one in enumerate(b.runs)
+            for r, one in enumerate(columns.runs)
         }
-        yield Rival("saturation", name, EVERY, b.place(clip))
+        yield Rival("saturation", name, EVERY, columns.place(clip))
 
 
-def _table_rivals(b: _Builder) -> Iterator[Rival]:
+def _table_rivals(columns: Columns) -> Iterator[Rival]:
     small = {
         "table_rate_error": ("ppm", 1.0),
         "heading_error": ("deg", 0.01),
         "latitude_error": ("deg", 0.01),
     }
     for effect, (parameter, step) in small.items():
-        yield Rival(effect, ("table",), EVERY, b.moved((_unit(effect, parameter, step),)))
-    offset = b.moved((_unit("start_offset", "s", 0.05),))
+        yield Rival(effect, ("table",), EVERY, columns.moved((_unit(effect, parameter, step),)))
+    offset = columns.moved((_unit("start_offset", "s", 0.05),))
     if np.abs(offset).max() > 1e-9:
         yield Rival("start_offset", ("table",), EVERY, offset)
     tilts = tuple(_unit("mount_rotation", "mrad", v) for v in (np.eye(3) * 0.1).tolist())
-    yield Rival("mount_rotation", ("table",), EVERY, b.moved(tilts))
-    if any(rate != 0.0 for one in b.runs for rate, _ in one.run.profile):
+    yield Rival("mount_rotation", ("table",), EVERY, columns.moved(tilts))
+    if any(rate != 0.0 for one in columns.runs for rate, _ in one.run.profile):
         for harmonic in (1, 2, 3, 4, 5, 6, 8, 12, 36):
             waves = (0.0, np.pi / 2)
             pair = tuple(
                 _unit("table_rate_ripple", "ppm", 1.0, harmonic=harmonic, phase_rad=p) for p in waves
             )
-            yield Rival("table_rate_ripple", ("table",), EVERY, b.moved(pair))
+            yield Rival("table_rate_ripple", ("table",), EVERY, columns.moved(pair))
     for effect in ("scale_factor_error", "bias_offset"):
         shapes = {**BIASES, **SCALES}
         entry = _unit(effect, "ppm" if effect == "scale_factor_error" else "deg_h")
-        total = sum(b.gyro(i, entry, shapes=shapes) for i in range(b.n))
-        everyone = tuple(f"gyro{i + 1}" for i in range(b.n))
+        total = sum(columns.gyro(i, entry, shapes=shapes) for i in range(columns.n))
+        everyone = tuple(f"gyro{i + 1}" for i in range(columns.n))
         yield Rival(effect, everyone, EVERY, np.asarray(total))
 
 
-def _line_rivals(b: _Builder, frequencies: tuple[float, ...]) -> Iterator[Rival]:
-    axes = b.world.campaign.unit.axes
+def _line_rivals(columns: Columns, frequencies: tuple[float, ...]) -> Iterator[Rival]:
+    axes = columns.world.campaign.unit.axes
     for frequency in frequencies:
-        lines = b.lines(frequency)
-        for i in range(b.n):
+        lines = columns.lines(frequency)
+        for i in range(columns.n):
             yield Rival("periodic_interference", (f"gyro{i + 1}",), EVERY, lines[:, i])
-        moved = np.einsum("rik,ia->rka", lines, axes).reshape(b.rows, -1)
+        moved = np.einsum("rik,ia->rka", lines, axes).reshape(columns.rows, -1)
         yield Rival("base_motion", ("table",), EVERY, moved)
 
 
@@ -251,10 +163,10 @@ def slow_lines(world: World) -> tuple[float, ...]:
 
 def slow_rivals(world: World, inner: Metric, catalogue: frozenset[str]) -> list[Rival]:
     """All rivals of the catalogue with columns on block means."""
-    b = _Builder(world, inner)
-    everyone: list[Rival] = list(_table_rivals(b)) + list(_line_rivals(b, slow_lines(world)))
-    for i in range(b.n):
-        everyone += list(_gyro_rivals(b, i))
+    columns = Columns(world, inner)
+    everyone: list[Rival] = list(_table_rivals(columns)) + list(_line_rivals(columns, slow_lines(world)))
+    for i in range(columns.n):
+        everyone += list(_gyro_rivals(columns, i))
     everyone += _fixed_rivals(world, inner)
     return [rival for rival in everyone if rival.effect in catalogue]
 

@@ -14,7 +14,8 @@ from withheld.effects import catalogue, strangers
 from withheld.effects.entry import Entry
 from withheld.streams import stream
 from withheld.study.designs import DESIGNS, draw_campaign
-from withheld.study.draws import LAWS, draw_entry, met
+from withheld.study.draws import draw_entry, met
+from withheld.study.laws import LAWS
 from withheld.study.protocol import Protocol
 
 TRIES = 6

@@ -9,7 +9,7 @@ from withheld.effects.catalogue import NAMES as CATALOGUE
 from withheld.effects.strangers import NAMES as STRANGERS
 from withheld.errors import BadInput
 from withheld.study.designs import DESIGNS
-from withheld.study.draws import LAWS
+from withheld.study.laws import LAWS
 
 # Training seeds lie below, study seeds from here on; and the two never share a random stream.
 FIRST_STUDY_SEED = 1_000_000
