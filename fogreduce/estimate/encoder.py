@@ -58,13 +58,14 @@ def compare_with_command(
     profile : Profile
         The command.
     guard_s : float
-        Left out on both sides of an edge [s].
+        Left out on both sides of an edge, start and end of the profile included [s].
     """
     found = []
     edges, angles = profile.edges_s, profile.edge_angles_deg
     first_angle = float(np.interp(0.0, time_s, angle_deg))
     for k, rate in enumerate(profile.rate_deg_s.tolist()):
-        inside = (time_s >= edges[k] + guard_s * (k > 0)) & (time_s <= edges[k + 1] - guard_s)
+        # The first edge too: the table starts from rest.
+        inside = (time_s >= edges[k] + guard_s) & (time_s <= edges[k + 1] - guard_s)
         if np.count_nonzero(inside) < _LEAST_ROWS:
             continue
         since = time_s[inside] - edges[k]

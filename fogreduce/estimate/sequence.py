@@ -45,7 +45,7 @@ class SequenceCheck:
         """Flags of the next block's records: stamps [us] (N,), pulse numbers (N,)."""
         flags = self._bad_stamps(time_us, pulse)
         good = flags == 0
-        if (pulse[-1] >= self.n_expected) or not good.all():
+        if int(pulse.max()) >= self.n_expected:
             flags[(pulse >= self.n_expected) & good] |= np.uint8(RecordFlag.BEYOND_PROFILE)
         if good.all() and pulse[0] == self.highest + 1 and pulse[-1] - pulse[0] == pulse.size - 1:
             if bool((np.diff(pulse) == 1).all()):
