@@ -139,7 +139,8 @@ FOGCAP = [
     Case(
         "a directory in the capture's place",
         _folder,
-        "$yaml: capture.file: found capture.fogcap, which is a folder; expected a file in the run's own folder",
+        "$yaml: capture.file: found capture.fogcap, which is a folder; "
+        "expected a file in the run's own folder",
     ),
     Case(
         "a pipe in the capture's place",

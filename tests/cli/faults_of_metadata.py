@@ -144,7 +144,8 @@ RUN_YAML = [
     Case(
         "two faults",
         _run({"unit": "-", "capture": {**RUN["capture"], "volts_per_count": -1.0}}),
-        "$yaml: unit: found the text '-'; expected a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a "
+        "$yaml: unit: found the text '-'; "
+        "expected a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a "
         "letter or digit\n"
         "$yaml: capture.volts_per_count: found -1.0; expected a number, more than 0",
     ),

@@ -3,8 +3,8 @@
 import json
 
 import h5py
-
 from fault_case import Case
+
 from fogreduce.cli.main import main
 
 
@@ -124,7 +124,9 @@ STAGES = [
     Case(
         "manifest: not JSON",
         _manifest("{"),
-        "$out/manifest.json: found Expecting property name enclosed in double quotes: line 1 column 2 (char 1); expected the run's manifest",
+        "$out/manifest.json: found Expecting property name enclosed in double quotes: "
+        "line 1 column 2 (char 1); "
+        "expected the run's manifest",
     ),
     Case(
         "manifest: a list",
@@ -179,12 +181,14 @@ STAGES = [
     Case(
         "fit of another version",
         _fit_of_other_version,
-        "$out/reports/fit.json: version_id: found 0123456789abcdef; expected $version, as the manifest has it",
+        "$out/reports/fit.json: version_id: found 0123456789abcdef; "
+        "expected $version, as the manifest has it",
     ),
     Case(
         "fit broken",
         _fit_broken,
-        "$out/reports/fit.json: found Unterminated string starting at: line 3 column 2 (char 38); expected the report of an earlier stage",
+        "$out/reports/fit.json: found Unterminated string starting at: line 3 column 2 (char 38); "
+        "expected the report of an earlier stage",
     ),
     Case("ingest without its run", _no_run, "--run: found nothing; expected the run's folder"),
     Case(

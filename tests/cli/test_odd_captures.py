@@ -1,4 +1,4 @@
-"""Captures that are odd but not bad: what is wrong with them is counted and located, never refused or dropped."""
+"""Captures that are odd but not bad: what is wrong is counted and located, nothing refused or dropped."""
 
 import csv
 import json

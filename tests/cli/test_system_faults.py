@@ -1,4 +1,4 @@
-"""A full disk, a file too large, no permission: through the installed command, with no right to pass over modes."""
+"""A full disk, a file too large, no permission: through the installed command, bound by files' modes."""
 
 import ctypes
 import os
