@@ -5,11 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bench import SCALE, campaign, run
-from scipy.stats import chi2
+from scipy.linalg import toeplitz
+from scipy.stats import chi2, multivariate_normal
 
+from withheld.chain.electronics import first_order
 from withheld.chain.injector import exact_world, realistic_world, run_counts
 from withheld.clairvoyant.appraisal import appraise, effect_snr
 from withheld.clairvoyant.blocks import block_count, difference, metric
+from withheld.clairvoyant.covariance import block_covariance, walk
 from withheld.clairvoyant.full_rate import Healthy, bernoulli_divergence
 from withheld.clairvoyant.lines import motion_share
 from withheld.clairvoyant.separation import left_by, snr
@@ -175,6 +178,30 @@ def test_full_rate_ratios_by_hand():
     clock = Entry("clock_error", ("clock",), ("*",), {"ppm": 1.0})
     t = np.arange(n) / 64.0
     assert found(of, clock) == pytest.approx(np.sqrt(12 * np.sum((t * 1.0) ** 2)), rel=0.02)
+
+
+def test_a_further_walk_against_likelihood_ratios_of_simulated_blocks():
+    of = campaign(run(duration=60.0))
+    entry = on("rate_random_walk", deg_h_sqrt_h=8.0)
+    before = block_covariance(60, 1.0, 0.002, 0.03, 0.0, 0.05)
+    after = before + 64.0 * walk(60, 1.0)
+    x = np.random.default_rng(1).multivariate_normal(np.zeros(60), after, size=4000)
+    ratios = multivariate_normal(np.zeros(60), after).logpdf(x) - multivariate_normal(
+        np.zeros(60), before
+    ).logpdf(x)
+    spread = 2 * ratios.std() / np.sqrt(4000)
+    assert found(of, entry) ** 2 == pytest.approx(2 * ratios.mean(), abs=4 * spread)
+
+
+def test_filtered_noise_against_the_exact_gaussian_divergence():
+    n, tau, step = 1000, 4e-3, 1 / 64.0
+    of = campaign(run(duration=n * step))
+    impulse = first_order(np.concatenate([np.zeros(200), [1.0], np.zeros(200)]), step, tau)
+    lags = np.array([impulse[: impulse.size - k] @ impulse[k:] for k in range(60)])
+    covariance = toeplitz(np.concatenate([lags, np.zeros(n - 60)]))
+    exact = np.trace(covariance) - n - np.linalg.slogdet(covariance)[1]
+    ratio = found(of, on("low_pass", "gyro2", time_constant_ms=4.0), Healthy(noise_level_rel=0.0))
+    assert ratio**2 == pytest.approx(exact, rel=0.02)  # ends of the record: a few of 1000 samples
 
 
 def test_bernoulli_divergence():

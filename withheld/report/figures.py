@@ -44,6 +44,12 @@ def _in_bands(outcomes: Outcomes) -> list[tuple[str, Outcomes]]:
     return [(name, group) for name, group in parts if group]
 
 
+def _empty(ax: Axes, text: str) -> None:
+    """A panel with nothing to show says so, and shows no scale."""
+    ax.text(0.5, 0.5, text, ha="center", color=INK, fontsize=9, transform=ax.transAxes)
+    ax.set(xticks=[], yticks=[])
+
+
 def _points(ax: Axes, x: Array, shares: list[Share], colour: str, marker: str, name: str) -> None:
     for place, part in zip(x.tolist(), shares, strict=True):
         if part.n:
@@ -117,7 +123,7 @@ def confusion(scores: dict[str, Any]) -> Figure:
     for r in rows:
         matrix[truths.index(r["truth"]), answers.index(r["answer"])] = r["n"]
     totals = matrix.sum(axis=1)
-    figure, (ax,) = _figure(3.2 + 0.24 * len(answers), 2.2 + 0.2 * len(truths))
+    figure, (ax,) = _figure(max(3.2 + 0.24 * len(answers), 6.0), 2.2 + 0.2 * len(truths))
     from matplotlib.colors import LinearSegmentedColormap
 
     shades = LinearSegmentedColormap.from_list("shades", [GROUND, RIGHT])
@@ -144,7 +150,8 @@ def reliability(scores: dict[str, Any]) -> Figure:
               ("a gap, all cases", "something unknown, all cases"))  # fmt: skip
     figure, axes = _figure(10.5, 3.8, 3)
     for ax, names in zip(axes, panels, strict=True):
-        ax.plot([0, 1], [0, 1], color=RULE, lw=1.2, zorder=0)
+        if any(parts[name]["bins"] for name in names):
+            ax.plot([0, 1], [0, 1], color=RULE, lw=1.2, zorder=0)
         for name, colour, marker, shift in zip(names, (RIGHT, IDEAL), "oD", (-0.006, 0.006), strict=True):
             for number, b in enumerate(parts[name]["bins"]):
                 x = b["stated"] + shift
@@ -155,7 +162,7 @@ def reliability(scores: dict[str, Any]) -> Figure:
         if any(parts[name]["bins"] for name in names):
             ax.legend(frameon=False, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0))
         else:
-            ax.text(0.5, 0.5, "nothing stated", ha="center", color=INK, fontsize=9)
+            _empty(ax, "nothing stated")
     axes[0].set_ylabel("share that was right")
     return figure
 
@@ -175,7 +182,7 @@ def numbers(scores: dict[str, Any]) -> Figure:
         )
         left.plot(grid, np.exp(-(grid**2) / 2) / np.sqrt(2 * np.pi), color=IDEAL, lw=1.5)
     else:
-        left.text(0.5, 0.5, "no parameter of a right cause", ha="center", transform=left.transAxes, color=INK)
+        _empty(left, "no parameter of a right cause")
     left.set(xlabel="(stated - true) / stated standard deviation", ylabel="density")
     left.set_title(f"Parameters of right causes (n = {pulls.size})", loc="left", fontsize=11)
     close = [(o["snr"], o["closure"]) for o in scores["outcomes"] if o["closure"] and o["by_group"]]
@@ -187,7 +194,7 @@ def numbers(scores: dict[str, Any]) -> Figure:
         right.set_xscale("log")
         right.axhline(0.0, color=IDEAL, lw=1.2)
     else:
-        right.text(0.5, 0.5, "no closure of a right cause", ha="center", transform=right.transAxes, color=INK)
+        _empty(right, "no closure of a right cause")
     right.set(xlabel="signal-to-noise ratio (200: and up)", ylabel="closure less the oracle's")
     right.set_title(f"How far the gap closed (n = {len(close)})", loc="left", fontsize=11)
     return figure
