@@ -10,7 +10,7 @@ os.environ.update(
 )
 
 
-configfile: "workflow/config.yaml"
+configfile: Path(workflow.basedir) / "workflow" / "config.yaml"
 
 
 include: "workflow/rules/common.smk"

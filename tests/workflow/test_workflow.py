@@ -1,0 +1,156 @@
+"""The workflow as its user meets it: a small campaign through Snakemake, with a run that cannot be reduced."""
+
+import csv
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SNAKEMAKE = Path(sys.executable).with_name("snakemake")
+FOGREDUCE = Path(sys.executable).with_name("fogreduce")
+
+RUN_YAML = """\
+schema: fogreduce/run/1
+run_id: {run_id}
+unit: TETRA-01
+started_at: 2014-05-12T13:00:00Z
+site: {{latitude_deg: -23.21132308}}
+table:
+  axis: x
+  profile: {profile}
+orientation: {{x: up, z: north}}
+capture:
+  file: capture.fogcap
+  format: fogcap-1
+  sample_rate_hz: 128
+  volts_per_count: 1.0e-7
+  polarity: [1, -1, 1, 1]
+calibration: TETRA-01@2012a
+"""
+PROFILES = {
+    "a-steady": "[{rate_deg_s: 10, duration_s: 20}]",
+    "b-steps": "[{rate_deg_s: 0, duration_s: 15}, {rate_deg_s: -10, duration_s: 15}]",
+    "c-broken": "[{rate_deg_s: 1, duration_s: 10}]",
+}
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Campaign `lab` with captures (one of them spoilt) and campaign `made`, whose captures a rule makes."""
+    place = tmp_path_factory.mktemp("workflow")
+    for campaign, runs in (("plan", PROFILES), ("made", {"a-steady": PROFILES["a-steady"]})):
+        for run_id, profile in runs.items():
+            folder = place / "campaigns" / campaign / "runs" / run_id
+            folder.mkdir(parents=True)
+            (folder / "run.yaml").write_text(RUN_YAML.format(run_id=run_id, profile=profile))
+    (place / "campaigns" / "made" / "campaign.yaml").write_text("captures_from: {simulate: {seed: 5}}\n")
+    subprocess.run(
+        [FOGREDUCE, "simulate", place / "campaigns" / "plan", "--calibrations", ROOT / "calibrations"]
+        + ["--out", place / "campaigns" / "lab", "--seed", "1"],
+        check=True,
+        capture_output=True,
+    )
+    shutil.rmtree(place / "campaigns" / "plan")
+    capture = place / "campaigns" / "lab" / "runs" / "c-broken" / "capture.fogcap"
+    capture.write_bytes(b"NOT A CAPTURE" + capture.read_bytes()[13:])
+    return place
+
+
+def snakemake(place: Path, *settings: str, dry: bool = False) -> subprocess.CompletedProcess[str]:
+    """The workflow over the campaigns in `place`, its state kept there too."""
+    return subprocess.run(
+        [SNAKEMAKE, "--cores", "2", "--snakefile", ROOT / "Snakefile", "--directory", place]
+        + ["--workflow-profile", ROOT / "profiles" / "default"]
+        + ["--dry-run"] * dry
+        + ["--config", "campaigns_dir=campaigns", f"calibrations_dir={ROOT / 'calibrations'}", *settings],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def first(place: Path) -> subprocess.CompletedProcess[str]:
+    return snakemake(place)
+
+
+def test_a_failed_run_stops_no_other_and_the_end_says_why(
+    place: Path, first: subprocess.CompletedProcess[str]
+) -> None:
+    assert first.returncode == 1
+    results = place / "results"
+    for run in ("lab/a-steady", "lab/b-steps", "made/a-steady"):
+        assert (results / run / "tables" / "drift.csv").exists(), first.stderr
+        assert list((results / run / "figures").glob("*.png"))
+    assert not (results / "lab/c-broken/tables").exists()
+    end = first.stderr[first.stderr.index("These runs are not reduced:") :]
+    (line,) = [line for line in end.splitlines() if "lab/c-broken" in line and "found" in line]
+    assert "byte 0" in line
+    assert "FOGCAP1" in line
+
+
+def test_tables_are_those_of_reduce_to_the_byte(
+    place: Path, first: subprocess.CompletedProcess[str], tmp_path: Path
+) -> None:
+    for run in ("a-steady", "b-steps"):
+        out = tmp_path / run
+        subprocess.run(
+            [FOGREDUCE, "reduce", place / "campaigns/lab/runs" / run, "--calibrations", ROOT / "calibrations"]
+            + ["--out", out],
+            check=True,
+        )
+        tables = sorted((out / "tables").iterdir())
+        assert len(tables) >= 6
+        for table in tables:
+            assert table.read_bytes() == (place / "results/lab" / run / "tables" / table.name).read_bytes()
+        manifest = json.loads((out / "manifest.json").read_text())
+        assert manifest == json.loads((place / "results/lab" / run / "manifest.json").read_text())
+
+
+def test_segments_have_rows_of_their_own_and_the_whole_run_has_one(
+    place: Path, first: subprocess.CompletedProcess[str]
+) -> None:
+    with (place / "results/lab/b-steps/tables/drift.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["segment"] for row in rows] == ["1"] * 3 + ["2"] * 3 + ["all"] * 3
+    whole = next(row for row in rows if row["segment"] == "all" and row["axis"] == "x")
+    # 15 s at rest, then 15 s at -10 deg/s about x.
+    assert float(whole["nominal_deg"]) == -150.0
+    assert float(whole["duration_s"]) == 30.0
+
+
+def test_once_mended_only_what_was_missing_is_made_and_a_further_call_does_nothing(
+    place: Path, first: subprocess.CompletedProcess[str]
+) -> None:
+    untouched = place / "results/lab/a-steady/datasets/ingest.nc"
+    before = untouched.stat().st_mtime_ns
+    shutil.rmtree(place / "campaigns/lab/runs/c-broken")
+    second = snakemake(place)
+    assert second.returncode == 0, second.stderr
+    assert untouched.stat().st_mtime_ns == before
+    with (place / "results/_summary/drift_all.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {(row["campaign"], row["run_id"]) for row in rows} == {
+        ("lab", "a-steady"),
+        ("lab", "b-steps"),
+        ("made", "a-steady"),
+    }
+    third = snakemake(place)
+    assert "Nothing to be done" in third.stdout + third.stderr
+
+
+def test_a_configuration_that_cannot_be_is_refused_with_its_key(place: Path) -> None:
+    done = snakemake(place, "reduction={block_records: none}", dry=True)
+    assert done.returncode != 0
+    assert "block_records" in done.stdout + done.stderr
+
+
+def test_lint_has_nothing_to_wish_for() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "workflow" / "lint.py"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
