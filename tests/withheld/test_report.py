@@ -50,11 +50,17 @@ def some():
 
 def test_every_row_is_k_of_n_with_its_interval(some):
     text = page(some)
-    rows = re.findall(r"^\| ([^|]+) \| (\d+ of \d+ \([\d.]+-[\d.]+ %\)) \|$", text, re.M)
+    rows = re.findall(r"^\| ([^|]+) \| (\d+ of \d+ \([\d.]+-[\d.]+ %\)) \|", text, re.M)
     assert ("called a gap", "0 of 1 (0.0-79.3 %)") in rows
     assert ("SNR 8 to 15: right cause", "1 of 1 (20.7-100.0 %)") in rows
     assert ("SNR 15 and up: flagged in place", "1 of 1 (20.7-100.0 %)") in rows
     assert ("SNR 5 to 8: misattributed", "1 of 1 (20.7-100.0 %)") in rows
+
+
+def test_the_clairvoyant_stands_beside(some):
+    # SNR 10, its best rival separated by 10: Phi(10 - 4) and Phi(10 / 2) of that
+    assert "SNR 8 to 15: a gap was seen | 1 of 1 (20.7-100.0 %) | 100.0 % |" in page(some)
+    assert "SNR 8 to 15: right cause or pure group | 1 of 1 (20.7-100.0 %) | |" in page(some)
 
 
 def test_the_page_says_how_many_studies_came_before(some):

@@ -50,19 +50,16 @@ def _tables(summary: dict[str, Any]) -> list[str]:
     parts = []
     for table in summary["tables"]:
         rows = [row for row in table["rows"] if row["n"]]
-        if rows:
-            lines = "".join(f"| {row['row']} | {Share(row['k'], row['n']).text()} |\n" for row in rows)
-            parts.append(f"### {table['title']}\n\n| | |\n|---|---|\n{lines}")
+        if not rows:
+            continue
+        beside = any("clairvoyant" in row for row in rows)
+        head = "| | | clairvoyant |\n|---|---|---|\n" if beside else "| | |\n|---|---|\n"
+        lines = ""
+        for row in rows:
+            ideal = f" {100 * row['clairvoyant']:.1f} % |" if "clairvoyant" in row else " |" * beside
+            lines += f"| {row['row']} | {Share(row['k'], row['n']).text()} |{ideal}\n"
+        parts.append(f"### {table['title']}\n\n{head}{lines}")
     return parts
-
-
-def _ideal(summary: dict[str, Any]) -> str:
-    lines = "".join(
-        f"| {r['band']} | {r['n']} | {100 * r['seen']:.1f} % | {100 * r['named']:.1f} % |\n"
-        for r in summary["clairvoyant"]
-    )
-    head = "| SNR | cases | sees a gap | names the cause |\n|---|---|---|---|\n"
-    return f"### The clairvoyant, one effect\n\n{head}{lines}"
 
 
 def _reliability(summary: dict[str, Any]) -> str:
@@ -95,7 +92,7 @@ def page(scores: dict[str, Any]) -> str:
     """The page in Markdown; the figures lie beside it."""
     summary = scores["summary"]
     figures = [f"![{text}]({name}.png)\n\n{text}\n" for name, text in _CAPTIONS.items()]
-    parts = [*_head(scores), "## Scores\n", *_tables(summary), _ideal(summary), _reliability(summary)]
+    parts = [*_head(scores), "## Scores\n", *_tables(summary), _reliability(summary)]
     return "\n".join([*parts, _spread(summary), "## Figures\n", *figures])
 
 

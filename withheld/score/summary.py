@@ -38,25 +38,6 @@ def _table(title: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
     return {"title": title, "rows": rows}
 
 
-def _causes(title: str, outcomes: list[Outcome], never: float) -> dict[str, Any]:
-    rows = []
-    for name, group in bands(outcomes):
-        if not group:
-            continue
-        rows += [
-            _row(f"SNR {name}: a gap was seen", share([o.flagged for o in group])),
-            _row(f"SNR {name}: right cause", share([bool(o.exact) for o in group])),
-            _row(f"SNR {name}: right cause or pure group", share([bool(o.by_group) for o in group])),
-            _row(
-                f"SNR {name}: right cause, where every rival is separated by {never:g}",
-                share([bool(o.exact) for o in group if (o.separated or 0.0) >= never]),
-            ),
-            _row(f"SNR {name}: right place first", share([bool(o.place_right) for o in group])),
-            _row(f"SNR {name}: verdict explained", share([o.verdict_right for o in group])),
-        ]
-    return _table(title, rows)
-
-
 def clairvoyant_share(group: list[Outcome], thresholds: Thresholds) -> tuple[float, float]:
     """What somebody who knows the waveforms would reach: (names a gap, names the cause), expected shares.
 
@@ -68,6 +49,28 @@ def clairvoyant_share(group: list[Outcome], thresholds: Thresholds) -> tuple[flo
     seen = [float(norm.cdf((o.snr or 0.0) - thresholds.group_below)) for o in group]
     named = [s * float(norm.cdf((o.separated or 0.0) / 2.0)) for s, o in zip(seen, group, strict=True)]
     return float(np.mean(seen)), float(np.mean(named))
+
+
+def _causes(title: str, outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]:
+    """Rows for each band of SNR; beside a gap seen and a cause named, what the clairvoyant expects."""
+    rows, never = [], thresholds.group_never
+    for name, group in bands(outcomes):
+        if not group:
+            continue
+        seen, named = clairvoyant_share(group, thresholds)
+        apart = [o for o in group if (o.separated or 0.0) >= never]
+        rows += [
+            _row(f"SNR {name}: a gap was seen", share([o.flagged for o in group])) | {"clairvoyant": seen},
+            _row(f"SNR {name}: right cause", share([bool(o.exact) for o in group])) | {"clairvoyant": named},
+            _row(f"SNR {name}: right cause or pure group", share([bool(o.by_group) for o in group])),
+            _row(
+                f"SNR {name}: right cause, every rival separated by {never:g}",
+                share([bool(o.exact) for o in apart]),
+            ),
+            _row(f"SNR {name}: right place first", share([bool(o.place_right) for o in group])),
+            _row(f"SNR {name}: verdict explained", share([o.verdict_right for o in group])),
+        ]
+    return _table(title, rows)
 
 
 def _outside(title: str, outcomes: list[Outcome], keeps: float) -> list[dict[str, Any]]:
@@ -123,7 +126,7 @@ def _quantiles(values: list[float]) -> dict[str, Any]:
 
 def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]:
     """Tables (each row k of n with its interval), reliabilities, pulls, closure, groups, time, confusions."""
-    never, keeps = thresholds.group_never, thresholds.stranger_keeps
+    keeps = thresholds.stranger_keeps
     nothing = [o for o in outcomes if o.kind == "nothing"]
     single = [o for o in outcomes if o.kind == "single"]
     several = [o for o in outcomes if o.kind in ("pair", "triple")]
@@ -139,12 +142,12 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
             _row("called a gap", share([o.flagged for o in nothing])),
             _row("diagnosis of the contract's form, all cases", share([o.valid for o in outcomes])),
         ]),
-        _causes("One effect, eight runs", [o for o in single if o.design.startswith("eight")], never),
+        _causes("One effect, eight runs", [o for o in single if o.design.startswith("eight")], thresholds),
         _causes("One effect, all designs, slow",
-                [o for o in single if o.effects[0] not in FULL_RATE], never),
+                [o for o in single if o.effects[0] not in FULL_RATE], thresholds),
         _causes("One effect, all designs, full rate",
-                [o for o in single if o.effects[0] in FULL_RATE], never),
-        _causes("Two and three effects", several, never),
+                [o for o in single if o.effects[0] in FULL_RATE], thresholds),
+        _causes("Two and three effects", several, thresholds),
         _table("Two and three effects, each effect", [
             _row("named", Share(sum(o.named or 0 for o in several), sum(len(o.effects) for o in several)))]),
         _table("One effect, by design", [
