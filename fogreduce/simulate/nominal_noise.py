@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.noise import NoiseLevels
-from fogreduce.physics.noise import BLOCK, FlickerSource, WalkSource, white_sigma
+from fogreduce.physics.flicker import FlickerSource
+from fogreduce.physics.noise import BLOCK, WalkSource, white_sigma
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,7 +103,7 @@ class Orbit:
         white = [level.white_deg_sqrt_h / 60.0 * level.mixing for level in levels]
         spread = np.einsum("xik,ij->xjk", weights, np.array(white))
         lags = np.abs(np.subtract.outer(np.arange(STEPS), np.arange(STEPS)))
-        unit_flicker = flicker_covariance(1.0, STEP_S, STEPS)[lags] / SECONDS_PER_HOUR**2
+        unit_flicker = _flicker_lags()[lags] / SECONDS_PER_HOUR**2
         unit_walk = np.minimum.outer(self.times_s, self.times_s) / 3600.0 / SECONDS_PER_HOUR**2
         flicker = [level.flicker_deg_h**2 + sum(b**2 for b, _ in level.further_flicker) for level in levels]
         walk = [level.walk_deg_h_sqrt_h**2 + sum(k**2 for k, _ in level.further_walk) for level in levels]
@@ -111,6 +112,12 @@ class Orbit:
             "bias_instability": _through(weights, flicker, unit_flicker),
             "rate_random_walk": _through(weights, walk, unit_walk),
         }
+
+
+@cache
+def _flicker_lags() -> Array:
+    """Covariance of flicker's means over the orbit's steps, for B = 1 deg/h, at lags 0 to STEPS - 1."""
+    return flicker_covariance(1.0, STEP_S, STEPS)
 
 
 def _through(weights: Array, variances: Sequence[float], unit: Array) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fogreduce.physics import noise
+from fogreduce.physics.flicker import FlickerSource
 
 RATES = [32.0, 128.0, 1000.0]
 
@@ -16,7 +17,7 @@ def generator(seed: int) -> np.random.Generator:
     return np.random.Generator(np.random.SFC64(seed))
 
 
-def samples(source: noise.FlickerSource | noise.WalkSource, length: int) -> np.ndarray:
+def samples(source: FlickerSource | noise.WalkSource, length: int) -> np.ndarray:
     blocks = [source.next_block() for _ in range(-(-length // noise.BLOCK))]
     return np.concatenate(blocks)[:length]
 
@@ -67,56 +68,11 @@ def test_densities_and_allan_deviations_belong_together() -> None:
     assert walk == pytest.approx(noise.walk_allan(2.0, np.array([tau]))[0], rel=2e-3)
 
 
-@pytest.mark.parametrize("rate_hz", [0.01, 1.0, *RATES, 10_000.0])
-def test_the_flicker_made_has_the_density_defined(rate_hz: float) -> None:
-    """By construction, no random numbers: within 1.5 % from 1e-3 Hz to half the sample rate."""
-    f = np.geomspace(1e-3, rate_hz / 2, 500)
-    ratio = noise.flicker_density_made(rate_hz, f) / noise.flicker_density(1.0, f)
-    assert ratio.min() > 0.985
-    assert ratio.max() < 1.015
-
-
-@pytest.mark.parametrize("rate_hz", RATES)
-def test_the_cut_at_the_bottom_keeps_the_power(rate_hz: float) -> None:
-    """From below 1e-5 Hz to 1e-2 Hz the power is ln(1e-2 / 1e-5) / pi, as with a sharp cut."""
-    f = np.geomspace(1e-10, 1e-2, 4_000)
-    density = noise.flicker_density_made(rate_hz, f)
-    power = np.sum((density[1:] + density[:-1]) / 2 * np.diff(f))
-    assert power == pytest.approx(math.log(1e3) / math.pi, rel=0.01)
-
-
-def test_flicker_has_the_density_that_its_construction_says() -> None:
-    """Periodograms under a Hann window: 200 x 8 values a band, so 2.5 % a deviation."""
-    rate_hz, length = 128.0, 65536
-    made = samples(noise.FlickerSource(rate_hz, generator(1)), 200 * length).reshape(200, length)
-    window = np.hanning(length)
-    spectrum = np.abs(np.fft.rfft((made - made.mean(axis=1, keepdims=True)) * window)) ** 2
-    density = 2 * spectrum.mean(axis=0) / rate_hz / np.sum(window**2)
-    f = np.fft.rfftfreq(length, 1 / rate_hz)
-    for low in (8, 32, 128, 512, 2048, 8192):
-        band = slice(low, 2 * low)
-        assert (density[band] / noise.flicker_density(1.0, f[band])).mean() == pytest.approx(1.0, abs=0.06)
-
-
-def test_flicker_starts_stationary() -> None:
-    """Over 400 runs the first samples vary as the last: nothing builds up (5 standard deviations of 7 %)."""
-    first, last = [], []
-    for seed in range(400):
-        made = noise.FlickerSource(128.0, generator(seed)).next_block()
-        first.append(made[:32].mean())
-        last.append(made[-32:].mean())
-    assert np.std(first) / np.std(last) == pytest.approx(1.0, abs=0.25)
-    # int of 1 / (pi f) from 1e-5 Hz to about 1 / (2 x 0.25 s): sqrt(ln(2e5) / pi) = 1.97
-    assert np.std(first) == pytest.approx(1.97, rel=0.2)
-
-
-def test_blocks_of_flicker_join_without_a_seam() -> None:
-    """Steps across the borders of blocks are as large as any (300 borders: 4 standard deviations of 4 %)."""
-    made = samples(noise.FlickerSource(128.0, generator(2)), 301 * noise.BLOCK)
-    steps = np.diff(made)
-    borders = steps[noise.BLOCK - 1 :: noise.BLOCK]
-    assert len(borders) == 300
-    assert borders.std() / steps.std() == pytest.approx(1.0, abs=0.17)
+def test_flicker_covariance_by_hand() -> None:
+    """Lag 0 less lag 1 is the Allan variance of one step, so 2 ln 2 / pi, whatever the step."""
+    for step in (1.0, 10.0):
+        lag0, lag1 = noise.flicker_covariance(1.0, step, 2)
+        assert lag0 - lag1 == pytest.approx(2 * math.log(2) / math.pi, rel=2e-3)
 
 
 def test_walk_starts_at_zero_and_runs_on() -> None:
@@ -142,7 +98,7 @@ def test_forty_seeds_measure_what_was_put_in(process: str, rate_hz: float) -> No
             made = generator(seed).standard_normal(length) * noise.white_sigma(1.0, rate_hz)
             expected = float(noise.white_allan(1.0, np.array([tau]))[0])
         elif process == "flicker":
-            made = samples(noise.FlickerSource(rate_hz, generator(seed)), length)
+            made = samples(FlickerSource(rate_hz, generator(seed)), length)
             expected = noise.flicker_allan(1.0)
         else:
             made = samples(noise.WalkSource(rate_hz, generator(seed)), length)
