@@ -1,0 +1,141 @@
+"""Imports point one way, and the way of a reduction imports nothing slow."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+#: Parts of the package, lowest first: a part may import itself and those on lower lines, nothing above.
+#: Parts of
+#: one line may import each other.
+LAYERS = [
+    {"constants", "units", "errors"},
+    {"physics"},
+    {"metadata", "datasets", "estimate", "effects"},
+    {"stages", "simulate", "gap", "archive", "figures"},
+    {"cli"},
+]
+
+#: What the package's own __init__ offers lazily; anybody may ask for the version.
+PACKAGE = "fogreduce"
+
+#: Imports that cost more than the reduction's arithmetic (a third of a second and more each).
+SLOW = ("xarray", "scipy", "matplotlib", "pandas")
+
+
+def modules(root: Path) -> list[Path]:
+    return sorted((root / PACKAGE).rglob("*.py"))
+
+
+def layer(part: str) -> int:
+    for number, parts in enumerate(LAYERS):
+        if part in parts:
+            return number
+    raise AssertionError(f"fogreduce.{part} stands in no layer: add it to tests/test_imports.py")
+
+
+def imported(path: Path, root: Path) -> list[tuple[int, str]]:
+    """Every module that a file imports, at its top or within a function: (line, dotted name)."""
+    found = []
+    here = path.relative_to(root).with_suffix("").parts
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = ".".join(here[: -node.level]) if node.level else ""
+            module = ".".join(filter(None, (base, node.module)))
+            # `from fogreduce import physics` names a module in its list of names.
+            found += [(node.lineno, f"{module}.{alias.name}") for alias in node.names]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) in (
+            "importlib.import_module",
+            "__import__",
+        ):
+            for text in ast.walk(node):
+                if isinstance(text, ast.Constant) and isinstance(text.value, str):
+                    found.append((node.lineno, text.value))
+    return found
+
+
+def test_every_part_has_its_layer(repository) -> None:
+    parts = {
+        path.relative_to(repository / PACKAGE).parts[0].removesuffix(".py") for path in modules(repository)
+    }
+    for part in parts - {"__init__", "__main__"}:
+        layer(part)
+    assert {"constants", "physics", "stages", "cli"} <= parts
+
+
+def test_imports_point_down(repository) -> None:
+    wrong = []
+    for path in modules(repository):
+        part = path.relative_to(repository / PACKAGE).parts[0].removesuffix(".py")
+        if part in ("__init__", "__main__"):
+            continue
+        for line, name in imported(path, repository):
+            pieces = name.split(".")
+            if pieces[0] != PACKAGE or len(pieces) == 1 or pieces[1] in ("__version__", "__file__"):
+                continue
+            if layer(pieces[1]) > layer(part):
+                wrong.append(f"{path.relative_to(repository)}:{line}: {part} imports {name}")
+    assert wrong == []
+
+
+def test_the_package_needs_neither_tests_nor_the_bench(repository) -> None:
+    wrong = [
+        f"{path.relative_to(repository)}:{line}: {name}"
+        for path in modules(repository)
+        for line, name in imported(path, repository)
+        if name.split(".")[0] in ("withheld", "tests", "pytest", "hypothesis", "allantools", "netCDF4")
+    ]
+    assert wrong == []
+
+
+def test_the_search_for_imports_sees_every_kind(tmp_path) -> None:
+    """The parser above, on a file that imports in every way."""
+    source = tmp_path / PACKAGE / "physics" / "odd.py"
+    source.parent.mkdir(parents=True)
+    lines = [
+        "import fogreduce.cli.main",
+        "from fogreduce import stages",
+        "from ..cli import check",
+        "def late():",
+        "    from withheld.chain import noise",
+        "    importlib.import_module('fogreduce.figures.style')",
+    ]
+    source.write_text("\n".join(lines))
+    assert [name for _, name in imported(source, tmp_path)] == [
+        "fogreduce.cli.main",
+        "fogreduce.stages",
+        "fogreduce.cli.check",
+        "withheld.chain.noise",
+        "fogreduce.figures.style",
+    ]
+
+
+def loaded_after(code: str) -> list[str]:
+    """Which slow modules are loaded after some code, in a fresh interpreter."""
+    script = f"{code}\nimport sys\nprint([name for name in {SLOW!r} if name in sys.modules])"
+    answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return ast.literal_eval(answer.stdout.strip().splitlines()[-1])
+
+
+@pytest.mark.parametrize(
+    "code", ["import fogreduce", "import fogreduce.cli.main", "import fogreduce.stages.run"]
+)
+def test_imports_are_light(code: str) -> None:
+    assert loaded_after(code) == []
+
+
+def test_a_reduction_imports_nothing_slow(bench) -> None:
+    """The whole command on a small run; and the view, to see that the test can tell."""
+    run = bench.run(profile=[(3.0, 10.0)])
+    out = bench.root / "out"
+    words = ["reduce", str(run), "--calibrations", str(bench.calibrations), "--out", str(out)]
+    reduce = f"from fogreduce.cli.main import main\nassert main({words!r}) == 0"
+    assert loaded_after(reduce) == []
+    assert (out / "tables" / "drift.csv").is_file()
+    assert "xarray" in loaded_after("from fogreduce import open_run")
