@@ -34,6 +34,7 @@ def draw(results: Results) -> Figure:
         axes.set_title(name)
         _log_log(axes)
         axes.legend(loc="upper right", fontsize=8.5)
+    row[0].set_ylabel("Allan deviation [deg/h]")
     if len(results.segments) > 1:
         style.note(row[-1], f"segment {segment['segment']}, the longest")
     handles = [
@@ -78,4 +79,3 @@ def _log_log(axes: Axes) -> None:
         axis.set_minor_locator(NullLocator())
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xlabel("averaging time [s]")
-    axes.set_ylabel("Allan deviation [deg/h]")

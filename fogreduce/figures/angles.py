@@ -18,7 +18,7 @@ from fogreduce.stages.angles import error_angle, measured_error_angle, residual_
 
 Array = NDArray[np.float64]
 
-_MEASURED: dict[str, Any] = {"color": style.BAND, "linewidth": 4.5, "solid_capstyle": "butt"}
+_MEASURED: dict[str, Any] = {"color": style.BAND, "linewidth": 3.5, "solid_capstyle": "butt"}
 
 LAST_S = 20.0  # how much of the run's end the right-hand panels show [s], at most a tenth of the run
 
@@ -64,7 +64,8 @@ def measured_errors(results: Results, axis: int) -> tuple[Array, Array]:
     name, segments = family.names[axis], results.segments
     ends = np.minimum(family.time_s + results.bin_s / 2, segments[-1]["stop_s"])
     residual = residual_bins(segments, name, family.time_s, family.mean[axis], results.bin_s, results.guard_s)
-    return ends, measured_error_angle(residual, results.bin_s, error_angle(segments, name, ends))
+    lengths = 2 * np.maximum(ends - family.time_s, 0.0)  # the last bin may hold fewer records
+    return ends, measured_error_angle(residual, lengths, error_angle(segments, name, ends))
 
 
 def _draw_end(
@@ -83,7 +84,7 @@ def _draw_end(
     axes.plot(times, commanded(times), color=style.COMMAND, linewidth=1.0, dashes=(1, 1.5))
     axes.plot(times[-1:], curve[-1:], "o", color=style.ADJUSTED, markersize=5, clip_on=False, zorder=5)
     axes.margins(y=0.12)
-    axes.set_title(f"{name}, last seconds")
+    axes.set_title(f"{name}, the end")
 
 
 def _say_drifts(results: Results, whole: list[Axes], ends: list[Axes]) -> None:
@@ -96,7 +97,7 @@ def _say_drifts(results: Results, whole: list[Axes], ends: list[Axes]) -> None:
         drift = _with_error(row, "drift_deg_h", "drift_err_coloured_deg_h", "drift_err_deg_h")
         style.note(whole[k], f"drift {drift} deg/h", style.ADJUSTED)
         end = _with_error(row, "final_angle_deg", "accumulated_err_coloured_deg", "accumulated_err_deg")
-        style.note(ends[k], f"at the end {end} deg", style.ADJUSTED)
+        style.note(ends[k], f"{end} deg", style.ADJUSTED)
 
 
 def _with_error(row: Mapping[str, str], value: str, *errors: str) -> str:

@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from fogreduce.figures import parts, style
 from fogreduce.figures.envelope import bulk_range, draw_band, mark_beyond
@@ -11,54 +18,61 @@ from fogreduce.figures.results import Results
 from fogreduce.stages.angles import fitted_curve
 from fogreduce.stages.drift import adjusted_curve
 
+Array = NDArray[np.float64]
+
+_FITTED: dict[str, Any] = {"color": style.CURVE, "linewidth": 2.6}
+_ADJUSTED: dict[str, Any] = {"color": style.ADJUSTED, "linewidth": 1.4, "dashes": (5, 2)}
+_COMMANDED: dict[str, Any] = {"color": style.COMMAND, "linewidth": 1.0, "dashes": (1, 1.5)}
+
 
 def draw(results: Results) -> Figure:
     """A panel an axis: lowest to highest sample, means of bins, both curves, the commanded rate."""
-    family = results.axes
-    assert family is not None
-    figure, rows = style.panels(
-        results.identity, "Rates about x, y, z without Earth's rate", len(family.names), 2.0
-    )
-    unstable = False
-    signs = results.setup.facts.commanded_signs.tolist()
-    for k, (name, sign, (axes,)) in enumerate(zip(family.names, signs, rows, strict=True)):
-        time_s, fitted = parts.curves(results, name, lambda segment, item, time: fitted_curve(item, time))
-        _, adjusted = parts.curves(
-            results,
-            name,
-            lambda segment, item, time, sign=sign: adjusted_curve(  # type: ignore[misc]
-                segment, item, sign * segment["rate_deg_s"], time
-            ),
-        )
-        axes.set_ylim(*bulk_range(family.lowest[k], family.highest[k], fitted, adjusted))
-        columns = family.columns(k)
-        unstable |= parts.shade_unstable(axes, results, results.gyros.names)
-        draw_band(axes, columns)
-        axes.plot(time_s, fitted, color=style.CURVE, linewidth=2.6)
-        axes.plot(time_s, adjusted, color=style.ADJUSTED, linewidth=1.4, dashes=(5, 2))
-        for segment in results.segments:
-            commanded = sign * segment["rate_deg_s"] + 0.0
-            span = [segment["start_s"], segment["stop_s"]]
-            axes.plot(span, [commanded] * 2, color=style.COMMAND, linewidth=1.0, dashes=(1, 1.5))
-        axes.set_title(name)
-        beyond = mark_beyond(
-            axes,
-            columns,
-            family.lowest[k],
-            family.highest[k],
-            1.0,
-            lambda value: f"{parts.plain(value)} deg/s",
-        )
-        style.note(axes, beyond, style.SPIKE)
-        axes.set_ylabel("rate [deg/s]")
+    names = results.setup.axes
+    figure, rows = style.panels(results.identity, "Rates about x, y, z without Earth's rate", len(names), 2.0)
+    unstable = [draw_axis(axes, results, k) for k, (axes,) in enumerate(rows)]
     last = rows[-1][0]
     last.set_xlim(*results.span_s)
     last.set_xlabel(style.TIME_LABEL)
-    handles = [
-        *parts.band_handles("lowest to highest", "mean"),
-        Line2D([], [], color=style.CURVE, linewidth=2.6, label="fitted curve"),
-        Line2D([], [], color=style.ADJUSTED, linewidth=1.4, dashes=(5, 2), label="offset adjusted"),
-        Line2D([], [], color=style.COMMAND, linewidth=1.0, dashes=(1, 1.5), label="commanded"),
-    ]
-    style.legend(figure, results.identity, handles + ([parts.unstable_handle()] if unstable else []))
+    shaded = [parts.unstable_handle()] if any(unstable) else []
+    style.legend(figure, results.identity, [*handles(), *shaded])
     return figure
+
+
+def draw_axis(axes: Axes, results: Results, k: int) -> bool:
+    """Draw axis k of x, y, z; whether an unstable interval was shaded."""
+    family = results.axes
+    assert family is not None
+    name, sign = family.names[k], float(results.setup.facts.commanded_signs[k])
+
+    def adjusted(segment: Mapping[str, Any], item: Mapping[str, Any], time_s: Array) -> Array:
+        return adjusted_curve(segment, item, sign * segment["rate_deg_s"], time_s)
+
+    time_s, fitted = parts.curves(results, name, lambda _, item, time: fitted_curve(item, time))
+    _, moved = parts.curves(results, name, adjusted)
+    lowest, highest, columns = family.lowest[k], family.highest[k], family.columns(k)
+    axes.set_ylim(*bulk_range(lowest, highest, fitted, moved))
+    shaded = parts.shade_unstable(axes, results, results.gyros.names)
+    draw_band(axes, columns)
+    axes.plot(time_s, fitted, **_FITTED)
+    axes.plot(time_s, moved, **_ADJUSTED)
+    for segment in results.segments:
+        commanded = sign * segment["rate_deg_s"] + 0.0
+        axes.plot([segment["start_s"], segment["stop_s"]], [commanded] * 2, **_COMMANDED)
+    axes.set_title(name)
+    style.note(axes, mark_beyond(axes, columns, lowest, highest, 1.0, _rate), style.SPIKE)
+    axes.set_ylabel("rate [deg/s]")
+    return shaded
+
+
+def handles() -> list[Artist]:
+    """Legend of a panel."""
+    return [
+        *parts.band_handles("lowest to highest", "mean"),
+        Line2D([], [], **_FITTED, label="fitted curve"),
+        Line2D([], [], **_ADJUSTED, label="offset adjusted"),
+        Line2D([], [], **_COMMANDED, label="commanded"),
+    ]
+
+
+def _rate(value: float) -> str:
+    return f"{parts.plain(value)} deg/s"

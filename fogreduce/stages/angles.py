@@ -94,16 +94,16 @@ def error_angle(segments: Sequence[Segment], axis: str, time_s: Array) -> Array:
     return found
 
 
-def measured_error_angle(residual: Array, bin_s: float, curve_error: Array) -> Array:
+def measured_error_angle(residual: Array, length_s: Array, curve_error: Array) -> Array:
     """Angle by the measured bins less the commanded one [deg], at the ends of bins.
 
     Parameters
     ----------
     residual : (m,) array
         From `residual_bins` [deg/s]; where it is NaN, the curve stands in.
-    bin_s : float
-        Length of a bin [s].
+    length_s : (m,) array
+        Lengths of the bins [s].
     curve_error : (m,) array
         `error_angle` at the bins' ends [deg].
     """
-    return curve_error + np.cumsum(np.nan_to_num(residual)) * bin_s
+    return curve_error + np.cumsum(np.nan_to_num(residual) * length_s)

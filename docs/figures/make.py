@@ -1,0 +1,35 @@
+"""Makes the pictures of docs/ again: `python docs/figures/make.py` from the repository's root.
+
+`published-drift.png` needs a reduced published run; its results folder is given as the first argument.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fogreduce.figures import frames, gyro_axes, published_drift
+from fogreduce.figures.results import Results
+from fogreduce.figures.save import save
+from fogreduce.figures.style import style
+from fogreduce.metadata.folder import load_calibration
+
+HERE = Path(__file__).parent
+CALIBRATION = "TETRA-01@2012a"
+
+
+def main(arguments: list[str]) -> None:
+    """Draw and save."""
+    record, _ = load_calibration(HERE.parents[1] / "calibrations", CALIBRATION)
+    with style():
+        save(frames.draw(), HERE / "frames.png", "png")
+        save(gyro_axes.draw(np.array(record.H), CALIBRATION), HERE / "gyro-axes.png", "png")
+        if arguments:
+            figure = published_drift.draw(Results.read(Path(arguments[0])))
+            save(figure, HERE / "published-drift.png", "png")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

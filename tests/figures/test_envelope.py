@@ -1,0 +1,123 @@
+"""The envelope loses no spike and is not squashed by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fogreduce.figures import gyro_volts, style
+from fogreduce.figures.envelope import MOST_COLUMNS, bulk_range, columns_of, thin_line
+
+from .conftest import SPIKES
+
+
+def noise(m, seed=0):
+    generator = np.random.default_rng(seed)
+    middle = generator.normal(0, 0.1, m)
+    return middle - 1, middle + 1, middle
+
+
+@settings(max_examples=60, deadline=None)
+@given(m=st.integers(1, 4000), seed=st.integers(0, 99), missing=st.floats(0, 0.5))
+def test_columns_hold_every_bin(m, seed, missing):
+    lowest, highest, mean = noise(m, seed)
+    gone = np.random.default_rng(seed + 1).random(m) < missing
+    for part in (lowest, highest, mean):
+        part[gone] = np.nan
+    columns = columns_of(np.arange(m) + 0.5, lowest, highest, mean, np.where(gone, 0.0, 8.0))
+    assert columns.time_s.size <= MOST_COLUMNS
+    if gone.all():
+        assert np.isnan(columns.lowest).all()
+        return
+    assert np.nanmin(columns.lowest) == np.nanmin(lowest)
+    assert np.nanmax(columns.highest) == np.nanmax(highest)
+    there = np.isfinite(columns.mean)
+    assert (columns.lowest[there] <= columns.mean[there]).all()
+    assert (columns.mean[there] <= columns.highest[there]).all()
+
+
+def test_mean_is_weighted():
+    m = 2 * MOST_COLUMNS
+    mean, count = np.tile([1.0, 4.0], MOST_COLUMNS), np.tile([3.0, 1.0], MOST_COLUMNS)
+    columns = columns_of(np.arange(m) * 1.0, mean, mean, mean, count)
+    np.testing.assert_allclose(columns.mean, 1.75)  # (3 x 1 + 1 x 4) / 4
+
+
+def test_a_gap_in_time_breaks_the_band():
+    time_s = np.concatenate((np.arange(50), np.arange(80, 130))) * 1.0
+    columns = columns_of(time_s, *noise(100), np.ones(100))
+    assert columns.time_s.size == 101
+    (broken,) = np.flatnonzero(np.isnan(columns.lowest))
+    assert 49 < columns.time_s[broken] < 80
+
+
+def test_a_spike_does_not_squash_the_scale():
+    lowest, highest, _ = noise(1000)
+    quiet = bulk_range(lowest, highest)
+    highest[500] = 1e6
+    low, high = bulk_range(lowest, highest)
+    assert low == pytest.approx(quiet[0], abs=0.2)
+    assert high < 2 * quiet[1]
+    curve = np.array([7.0, np.nan])
+    assert bulk_range(lowest, highest, curve)[1] > 7.0
+
+
+def test_range_without_spikes_shows_everything():
+    lowest, highest, _ = noise(1000)
+    low, high = bulk_range(lowest, highest)
+    assert low < lowest.min()
+    assert high > highest.max()
+
+
+def test_range_of_nothing_and_of_a_constant():
+    none = np.full(5, np.nan)
+    assert bulk_range(none, none) == (0.0, 1.0)
+    for value in (0.0, -3.0):
+        low, high = bulk_range(np.full(5, value), np.full(5, value))
+        assert low < value < high
+
+
+def test_spikes_are_marked_and_counted(results):
+    run = results("spiked")
+    figure = gyro_volts.draw(run)
+    for gyro, axes in enumerate(figure.axes):
+        low, high = axes.get_ylim()
+        assert high - low < 100  # mV: the spikes reach to 9 V
+        marks = {
+            item.get_marker(): item.get_xdata() for item in axes.lines if item.get_color() == style.SPIKE
+        }
+        above = [record / 16 for record, where, counts in SPIKES if where == gyro and counts > 0]
+        below = [record / 16 for record, where, counts in SPIKES if where == gyro and counts < 0]
+        np.testing.assert_allclose(marks.get("^", []), above, atol=run.bin_s)
+        np.testing.assert_allclose(marks.get("v", []), below, atol=run.bin_s)
+        note = axes.get_title(loc="right")
+        assert (f"▲ {len(above)} bin" in note) == bool(above)
+        assert (f"▼ {len(below)} bin" in note) == bool(below)
+    assert "to 9.0" in figure.axes[1].get_title(loc="right")  # 9e7 counts of 1e-7 V, and some mV
+
+
+def test_the_band_reaches_past_the_edge_at_a_spike(results):
+    run = results("spiked")
+    axes = gyro_volts.draw(run).axes[1]
+    (band,) = axes.collections
+    points = np.concatenate([path.vertices for path in band.get_paths()])
+    low, high = axes.get_ylim()
+    at_spike = points[np.abs(points[:, 0] - 700 / 16) < run.bin_s]
+    assert at_spike[:, 1].max() > high
+    assert np.abs(points[:, 1]).max() < abs(high) + abs(low) + 2 * (
+        high - low
+    )  # clipped, not a million pixels off
+    assert len(points) < 2 * MOST_COLUMNS + 16
+
+
+def test_thin_line_keeps_extremes():
+    values = np.random.default_rng(3).normal(size=50_000)
+    time_s = np.arange(values.size) * 1.0
+    thin_s, thin = thin_line(time_s, values)
+    assert thin.size <= 2 * MOST_COLUMNS
+    assert (np.diff(thin_s) > 0).all()
+    assert (thin.min(), thin.max()) == (values.min(), values.max())
+    assert (thin_s[0], thin_s[-1]) == (0.0, 49_999.0)
+    assert thin_line(time_s[:10], values[:10])[1].size == 10
