@@ -1,4 +1,4 @@
-"""Small runs, simulated and reduced once: one with spikes and logs, one of several rates, units of one and two gyros."""
+"""Small runs, simulated and reduced once: with spikes and logs, of several rates, of one and two gyros."""
 
 from __future__ import annotations
 
