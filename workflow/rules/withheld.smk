@@ -7,7 +7,7 @@ nothing else; the labels reach one rule, scoring, which needs the seal over all 
 import hashlib
 from pathlib import Path
 
-WITHHELD = {
+WITHHELD_DEFAULTS = {
     "study": "small",  # small: tries the path; full: the examination
     "seed": 1000001,  # a study's seeds start at 1 000 000
     "batch": 5,  # cases a job
@@ -17,8 +17,14 @@ WITHHELD = {
         for name in ("no_gap", "one_group", "unexplained", "guess")
     },
     "ledger": None,  # the book of studies scored; by default with the kept reports (full) or results (small)
-    **config.get("withheld", {}),
 }
+WITHHELD = {**WITHHELD_DEFAULTS, **config.get("withheld", {})}
+if unknown := sorted(WITHHELD.keys() - WITHHELD_DEFAULTS.keys()):
+    raise ValueError(
+        f"withheld: no setting {', '.join(unknown)}; expected {', '.join(WITHHELD_DEFAULTS)}"
+    )
+if WITHHELD["study"] not in ("small", "full"):
+    raise ValueError(f"withheld: study {WITHHELD['study']}; expected small or full")
 # The protocol's command checks the number of cases.
 WITHHELD_CASES = {"small": 20, "full": 1216}[WITHHELD["study"]]
 WITHHELD_OUT = f"{config.get('results_dir', 'results')}/withheld/{WITHHELD['study']}-{WITHHELD['seed']}"
