@@ -100,12 +100,16 @@ def flicker_allan(b_deg_h: float) -> float:
 def flicker_covariance(b_deg_h: float, step_s: float, lags: int) -> Array:
     """Covariance [(deg/h)^2] of flicker's means over neighbouring steps of `step_s`, at lags 0 to `lags` - 1.
 
-    The integral over the density, from 1e-5 Hz up, times what a mean lets through, ``sinc^2(f step)``, times
-    ``cos(2 pi f step lag)``; in ln f by the trapezoidal rule, up to where nothing is let through.
+    A density ``B^2 / (pi f)`` from f0 = 1e-5 Hz up has the autocovariance ``-B^2 / pi Ci(2 pi f0 tau)``; that
+    of means is the second difference of its second integral. With x = 2 pi f0 tau that is, up to a constant,
+    ``x^2 / 2 Ci(x) - x sin(x) / 2 - sin(x / 2)^2``.
     """
-    frequency = np.geomspace(LOWEST_FLICKER_HZ, 30.0 / step_s, 40_001)
-    weights = np.full(len(frequency), math.log(frequency[1] / frequency[0]))
-    weights[[0, -1]] /= 2.0
-    weights *= flicker_density(b_deg_h, frequency) * frequency * np.sinc(frequency * step_s) ** 2
-    turn = 2.0 * np.pi * frequency * step_s
-    return np.array([weights @ np.cos(turn * lag) for lag in range(lags)])
+    from scipy.special import sici
+
+    x0 = 2.0 * math.pi * LOWEST_FLICKER_HZ * step_s
+    x = x0 * np.arange(1, lags + 1)
+    integral = np.zeros(lags + 2)  # at lags -1, 0, 1 ... lags; even, and 0 at 0
+    integral[2:] = x**2 / 2.0 * sici(x)[1] - x * np.sin(x) / 2.0 - np.sin(x / 2.0) ** 2
+    integral[0] = integral[2]
+    covariance: Array = -(b_deg_h**2) / math.pi / x0**2 * np.diff(integral, 2)
+    return covariance

@@ -25,7 +25,15 @@ from fogreduce.metadata.yaml12 import load_yaml
 from fogreduce.physics.frames import AXES
 from fogreduce.simulate.draw import across
 from fogreduce.simulate.nominal_noise import NoiseCoefficients
-from fogreduce.simulate.orbit import ORBIT_S, RATE_DEG_S, Orbit, carried_into_orbit, coefficients
+from fogreduce.simulate.orbit import (
+    ORBIT_S,
+    RATE_DEG_S,
+    Orbit,
+    attitude_error,
+    carried_into_orbit,
+    coefficients,
+    noise_covariance,
+)
 from fogreduce.simulate.plan import Plan
 
 Array = NDArray[np.float64]
@@ -160,20 +168,23 @@ def _about(
     noise: NoiseCoefficients,
 ) -> dict[str, Any]:
     """Attitude error of an orbit about one axis, both ways of accounting."""
+    orbit = Orbit(facts, axis)
+    here = _in_orbit(actions, facts)
+    wrong, levels = orbit.wrong(here), orbit.forward(here).noise_levels(noise)
+    moved = [(orbit.wrong([*here, *_in_orbit([p.step], facts)]) - wrong) / p.step_size for p in parameters]
     found = {}
-    for key, turning in (("errors_turn_with_body", True), ("each_axis_by_itself", False)):
-        orbit = Orbit(facts, axis, turning)
-        here = _in_orbit(actions, facts)
-        mean = orbit.error(here)
-        by_noise = orbit.noise_covariance(orbit.forward(here).noise_levels(noise))
+    for key, weights in (
+        ("errors_turn_with_body", orbit.turning),
+        ("each_axis_by_itself", orbit.each_by_itself),
+    ):
+        by_noise = noise_covariance(weights, levels)
         uncertain = np.zeros((3, 3))
-        for parameter in parameters:
-            moved = orbit.error([*here, *_in_orbit([parameter.step], facts)]) - mean
-            slope = moved * (parameter.sigma / parameter.step_size)
+        for parameter, change in zip(parameters, moved, strict=True):
+            slope = attitude_error(weights, change) * parameter.sigma
             uncertain += np.outer(slope, slope)
         covariance = sum(by_noise.values(), start=uncertain)
         found[key] = {
-            "mean_deg": mean.tolist(),
+            "mean_deg": attitude_error(weights, wrong).tolist(),
             "sigma_deg": np.sqrt(np.diag(covariance)).tolist(),
             "covariance_deg2": covariance.tolist(),
             "sigma_by_source_deg": {

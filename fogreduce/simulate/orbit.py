@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,13 +55,10 @@ class Orbit:
         Any run's: calibration and geometry count, its motion does not.
     axis : str
         x, y or z.
-    turning : bool
-        Whether errors turn with the body (True) or each axis is integrated by itself (the paper's way).
     """
 
     facts: RunFacts
     axis: str
-    turning: bool = True
 
     @property
     def vector(self) -> Array:
@@ -74,15 +71,23 @@ class Orbit:
         """Middles of the steps into which the orbit is cut, (K,)."""
         return np.linspace(STEP_S / 2.0, ORBIT_S - STEP_S / 2.0, STEPS)
 
-    def weights(self) -> Array:
-        """(3, n, K) [deg per (deg/s)]: ``psi = sum over gyros and steps of weight times dM``."""
+    @cached_property
+    def turning(self) -> Array:
+        """Weights (3, n, K) [deg per (deg/s)]: ``psi = sum over gyros and steps of weight times dM``."""
         projection = self.facts.projection
         assert projection is not None
         weights = np.empty((*projection.shape, STEPS))
         for k, time_s in enumerate(self.times_s):
-            turn = np.radians(RATE_DEG_S * time_s) if self.turning else 0.0
-            weights[:, :, k] = rotation(self.vector, turn) @ projection * STEP_S
+            turn = rotation(self.vector, np.radians(RATE_DEG_S * time_s))
+            weights[:, :, k] = turn @ projection * STEP_S
         return weights
+
+    @cached_property
+    def each_by_itself(self) -> Array:
+        """The same where each axis is integrated by itself, as in the paper."""
+        projection = self.facts.projection
+        assert projection is not None
+        return np.repeat(projection[:, :, None] * STEP_S, STEPS, axis=2)
 
     def forward(self, actions: Sequence[Action] = ()) -> ForwardRun:
         """The unit in orbit."""
@@ -91,27 +96,36 @@ class Orbit:
         motion = replace(Motion.nominal(facts), on_earth=False)
         return ForwardRun(facts, None, actions, motion=motion)
 
-    def error(self, actions: Sequence[Action]) -> Array:
-        """Attitude error [deg], (3,), that effects make."""
-        wrong = self.forward(actions).readings(self.times_s) - self.forward().readings(self.times_s)
-        error: Array = np.einsum("xik,ik->x", self.weights(), wrong)
-        return error
+    def wrong(self, actions: Sequence[Action]) -> Array:
+        """What effects change in the gyros' readings, dM (n, K) [deg/s]."""
+        return self.forward(actions).readings(self.times_s) - self._right
 
-    def noise_covariance(self, levels: Sequence[NoiseLevels]) -> dict[str, Array]:
-        """Covariance [deg^2], (3, 3), of the attitude error from each kind of noise."""
-        weights = self.weights()
-        white = [level.white_deg_sqrt_h / 60.0 * level.mixing for level in levels]
-        spread = np.einsum("xik,ij->xjk", weights, np.array(white))
-        lags = np.abs(np.subtract.outer(np.arange(STEPS), np.arange(STEPS)))
-        unit_flicker = _flicker_lags()[lags] / SECONDS_PER_HOUR**2
-        unit_walk = np.minimum.outer(self.times_s, self.times_s) / 3600.0 / SECONDS_PER_HOUR**2
-        flicker = [level.flicker_deg_h**2 + sum(b**2 for b, _ in level.further_flicker) for level in levels]
-        walk = [level.walk_deg_h_sqrt_h**2 + sum(k**2 for k, _ in level.further_walk) for level in levels]
-        return {
-            "angle_random_walk": np.einsum("xjk,yjk->xy", spread, spread) / STEP_S,
-            "bias_instability": _through(weights, flicker, unit_flicker),
-            "rate_random_walk": _through(weights, walk, unit_walk),
-        }
+    @cached_property
+    def _right(self) -> Array:
+        return self.forward().readings(self.times_s)
+
+
+def attitude_error(weights: Array, wrong: Array) -> Array:
+    """Attitude error [deg], (3,), of readings that are wrong by `wrong` (n, K) [deg/s]."""
+    error: Array = np.einsum("xik,ik->x", weights, wrong)
+    return error
+
+
+def noise_covariance(weights: Array, levels: Sequence[NoiseLevels]) -> dict[str, Array]:
+    """Covariance [deg^2], (3, 3), of the attitude error from each kind of noise."""
+    middles = (np.arange(STEPS) + 0.5) * STEP_S
+    white = [level.white_deg_sqrt_h / 60.0 * level.mixing for level in levels]
+    spread = np.einsum("xik,ij->xjk", weights, np.array(white))
+    lags = np.abs(np.subtract.outer(np.arange(STEPS), np.arange(STEPS)))
+    unit_flicker = _flicker_lags()[lags] / SECONDS_PER_HOUR**2
+    unit_walk = np.minimum.outer(middles, middles) / 3600.0 / SECONDS_PER_HOUR**2
+    flicker = [level.flicker_deg_h**2 + sum(b**2 for b, _ in level.further_flicker) for level in levels]
+    walk = [level.walk_deg_h_sqrt_h**2 + sum(k**2 for k, _ in level.further_walk) for level in levels]
+    return {
+        "angle_random_walk": np.einsum("xjk,yjk->xy", spread, spread) / STEP_S,
+        "bias_instability": _through(weights, flicker, unit_flicker),
+        "rate_random_walk": _through(weights, walk, unit_walk),
+    }
 
 
 @cache

@@ -70,9 +70,21 @@ def test_densities_and_allan_deviations_belong_together() -> None:
 
 def test_flicker_covariance_by_hand() -> None:
     """Lag 0 less lag 1 is the Allan variance of one step, so 2 ln 2 / pi, whatever the step."""
-    for step in (1.0, 10.0):
+    for step in (1e-3, 1.0, 10.0):
         lag0, lag1 = noise.flicker_covariance(1.0, step, 2)
-        assert lag0 - lag1 == pytest.approx(2 * math.log(2) / math.pi, rel=2e-3)
+        assert lag0 - lag1 == pytest.approx(2 * math.log(2) / math.pi, rel=1e-6)
+
+
+def test_flicker_covariance_is_the_integral_over_its_density() -> None:
+    for step in (5.0, 2e4):
+        f = np.geomspace(noise.LOWEST_FLICKER_HZ, 100 / step, 400_001)
+        means = noise.flicker_density(3.0, f) * np.sinc(f * step) ** 2 * f
+        means[[0, -1]] /= 2
+        weight = math.log(f[1] / f[0])
+        expected = [weight * np.sum(means * np.cos(2 * np.pi * f * step * k)) for k in range(6)]
+        assert noise.flicker_covariance(3.0, step, 6) == pytest.approx(
+            expected, rel=1e-4, abs=1e-5 * expected[0]
+        )
 
 
 def test_walk_starts_at_zero_and_runs_on() -> None:

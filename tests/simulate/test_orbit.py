@@ -12,7 +12,7 @@ from fogreduce.effects.selection import action
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.noise import LOWEST_FLICKER_HZ
 from fogreduce.simulate.nominal_noise import NoiseCoefficients
-from fogreduce.simulate.orbit import Orbit, carried_into_orbit, coefficients
+from fogreduce.simulate.orbit import Orbit, attitude_error, carried_into_orbit, coefficients, noise_covariance
 
 FACTS = RunFacts.of(
     run_data(capture={"polarity": [1, 1, 1]}),
@@ -22,7 +22,9 @@ HOURS = 6000 / 3600
 
 
 def error(turning: bool, name: str, gyro: str, **parameters: object) -> np.ndarray:
-    return Orbit(FACTS, "x", turning).error([action(name, [gyro], ["a"], parameters, 3)])
+    orbit = Orbit(FACTS, "x")
+    weights = orbit.turning if turning else orbit.each_by_itself
+    return attitude_error(weights, orbit.wrong([action(name, [gyro], ["a"], parameters, 3)]))
 
 
 def test_a_bias_along_the_axis_adds_up() -> None:
@@ -55,7 +57,7 @@ def test_noise() -> None:
     """White noise of N: N sqrt(T) about every axis. A walk about the axis: K T^1.5 / sqrt(3)."""
     orbit = Orbit(FACTS, "x")
     noise = NoiseCoefficients([0.01] * 3, [0.0] * 3, [0.3] * 3)
-    found = orbit.noise_covariance(orbit.forward().noise_levels(noise))
+    found = noise_covariance(orbit.turning, orbit.forward().noise_levels(noise))
     assert np.sqrt(np.diag(found["angle_random_walk"])) == pytest.approx(
         [0.01 * math.sqrt(HOURS)] * 3, rel=1e-9
     )
@@ -69,7 +71,7 @@ def test_flicker_along_the_axis() -> None:
     """T^2 times the variance of the mean: B^2 / pi times the integral of sinc^2(f T) / f from 1e-5 Hz up."""
     orbit = Orbit(FACTS, "x")
     noise = NoiseCoefficients([0.0] * 3, [0.2] * 3, [0.0] * 3)
-    found = orbit.noise_covariance(orbit.forward().noise_levels(noise))["bias_instability"][0, 0]
+    found = noise_covariance(orbit.turning, orbit.forward().noise_levels(noise))["bias_instability"][0, 0]
     f = np.geomspace(LOWEST_FLICKER_HZ, 1.0, 200_000)
     integral = np.sum(np.sinc(f * 6000) ** 2) * np.log(f[1] / f[0])
     assert found == pytest.approx(0.2**2 / np.pi * integral * HOURS**2, rel=0.001)
