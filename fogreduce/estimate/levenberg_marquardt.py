@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.errors import FogreduceError
+from fogreduce.estimate.mean_curve import HARDEST
 
 Array = NDArray[np.float64]
 
@@ -148,7 +149,7 @@ class _Scaled:
         left, slopes = self.residuals(x), self.jacobian(x)[:, free]
         sigma = math.sqrt(float(left @ left) / (left.size - len(free)))
         triangle = np.linalg.qr(slopes, mode="r")
-        if np.linalg.cond(triangle) > 1 / math.sqrt(np.finfo(float).eps):
+        if np.linalg.cond(triangle) > HARDEST:
             raise FogreduceError("Levenberg-Marquardt: the records do not determine the parameters")
         inverse = np.linalg.inv(triangle)
         covariance = np.zeros((5, 5))

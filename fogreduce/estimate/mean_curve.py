@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _GRID = 512  # points on which the basis is made orthonormal
-_HARDEST = 1e9  # condition beyond which sine and straight line cannot be told apart in double precision
+
+#: Condition beyond which sine and straight line cannot be told apart in double precision.
+HARDEST = 1e9
 
 
 def curve(time_s: Array, theta: Array) -> Array:
@@ -73,7 +75,7 @@ class CurveBasis:
         grid = middle + half * np.linspace(-1, 1, _GRID)
         has_sine = rate != 0
         triangle = np.linalg.qr(_raw(grid, middle, half, rate, has_sine).T, mode="r")
-        if has_sine and np.linalg.cond(triangle) > _HARDEST:
+        if has_sine and np.linalg.cond(triangle) > HARDEST:
             has_sine = False
             triangle = np.linalg.qr(_raw(grid, middle, half, rate, has_sine).T, mode="r")
         whiten = np.linalg.inv(triangle).T * np.sqrt(_GRID)
@@ -225,7 +227,7 @@ class CurveSums:
         """The least-squares curve of a channel; None where its records do not determine one."""
         zz, zy, records = self._zz[channel], self._zy[channel], int(self._records[channel])
         k = len(zz)
-        if records <= k or np.linalg.cond(zz) > _HARDEST:
+        if records <= k or np.linalg.cond(zz) > HARDEST:
             return None
         inverse = np.linalg.inv(zz)
         beta = np.linalg.solve(zz, zy)
