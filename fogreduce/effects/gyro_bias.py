@@ -12,7 +12,8 @@ from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stag
 Array = NDArray[np.float64]
 
 _TACTICAL = (
-    "tactical grade in Groves (2013), table 4.1, and Titterton & Weston (2004), ch. 5: 0.1 to 100 deg/h"
+    "tactical grade: 1 to 100 deg/h in Groves, Principles of GNSS, Inertial, and Multisensor Integrated "
+    "Navigation Systems (2013), ch. 4; fibre-optic units calibrated on a table: tenths"
 )
 _SHUPE = (
     "Shupe (1980); Lefevre, The Fiber-Optic Gyroscope (2014), ch. 6: 0.01 to 1 deg/h per degC/min with "

@@ -65,7 +65,8 @@ EFFECTS = (
         Stage.SCALE,
         "M_i *= 1 + e",
         scale_factor_error,
-        "tactical grade in Titterton & Weston (2004), ch. 5, and data sheets: 10 to 1000 ppm",
+        "tactical grade in Titterton & Weston, Strapdown Inertial Navigation Technology (2004), ch. 5: "
+        "hundreds of ppm; calibrated on a table: tens",
         (Parameter("ppm", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(10, 1000)),),
         {"ppm": 100.0},
     ),

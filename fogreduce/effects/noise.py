@@ -83,7 +83,7 @@ EFFECTS = (
         Stage.NOISE,
         "white noise: N in place of the record's",
         angle_random_walk,
-        "IEEE Std 952, annex C; tactical grade in Groves (2013), table 4.1: 0.03 to 0.1 deg/sqrt(h); "
+        "IEEE Std 952, annex C; tactical grade in Groves (2013), ch. 4: 0.03 to 0.1 deg/sqrt(h); "
         "quiet units 0.001 to 0.01",
         (Parameter("deg_sqrt_h", "deg/sqrt(h)", "N", low=0.0, high=1e6, realistic=(0.001, 0.1)),),
         {"deg_sqrt_h": 0.01},
@@ -115,8 +115,8 @@ EFFECTS = (
         Stage.NOISE,
         "the white noises of the gyros named are correlated pairwise; each keeps its N",
         common_noise,
-        "shared light source or supply: relative intensity noise, Lefevre (2014), ch. 2; "
-        "the paper's Table 5 implies some 0.1 to 0.5",
+        "a light source shared by the gyros: its intensity noise, Lefevre (2014), ch. 2; x of the paper's "
+        "Table 5 is noisier than four independent gyros by as much as 0.3 would make it (y and z are not)",
         (Parameter("correlation", "", "r", off=0.0, low=-1.0, high=1.0, realistic=(0.05, 0.9)),),
         {"correlation": 0.9},
         smallest_group=2,

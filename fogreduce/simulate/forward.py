@@ -21,6 +21,7 @@ from fogreduce.effects.model import Parameters, Stage
 from fogreduce.effects.motion import Motion
 from fogreduce.effects.noise import NoiseLevels
 from fogreduce.effects.selection import Action
+from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_unit_rate, gyro_rates_from_axis_rates
@@ -38,9 +39,10 @@ _VOLT_STAGES = (Stage.FILTER, Stage.CONVERTER, Stage.CLIPPING)
 _COUNT_STAGES = (
     Stage.BITS, Stage.REPEATS, Stage.SPIKES, Stage.DROPOUTS, Stage.COLUMNS, Stage.POLARITY,
 )  # fmt: skip
-
-
 _NONE = np.zeros(0)
+
+#: Within a stage effects act in the catalogue's order, whatever the order of an effects file.
+_CATALOGUE_ORDER = {name: k for k, name in enumerate(EFFECTS)}
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,8 @@ class ForwardRun:
         for action in actions:
             if facts.run_id in action.runs:
                 self._take(action, seed)
+        for acting in self._by_stage.values():
+            acting.sort(key=lambda one: _CATALOGUE_ORDER.get(one.action.effect.name, len(_CATALOGUE_ORDER)))
         self.motion, self.axes = motion or Motion.nominal(facts), facts.axes
         self.motion = self._common(Stage.MOTION, self.motion)
         self.axes = np.array(self._per_gyro(Stage.AXES, list(facts.axes)))
