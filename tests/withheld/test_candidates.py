@@ -106,6 +106,7 @@ def test_everything_in_one_group_gets_no_credit_for_holding_the_truth(scores):
     s = scores["one_group"]
     assert (s[FALSE], s[CAUSE], s[GROUP]) == ((24, 24), (0, 20), (0, 20))
     assert s[PURE] == (0, 20)
+    assert s[("Groups (one effect)", "of at most 4 members, eight runs")] == (0, 20)
     assert s[WRONG] == (10, 10)
     assert s["group_size"]["median"] > 100
 

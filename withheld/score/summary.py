@@ -160,6 +160,10 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
             _row("members that belong (separation below 4)", Share(
                 sum(o.group_pure or 0 for o in groups), sum(o.group_size or 0 for o in groups))),
             _row("groups without a member separated by 6 or more", share([not o.impure_far for o in groups])),
+            _row("of at most 4 members, eight runs",
+                 share([(o.group_size or 0) <= 4 for o in groups if o.design.startswith("eight")])),
+            _row("of at most 8 members, one run",
+                 share([(o.group_size or 0) <= 8 for o in groups if o.design.startswith("one")])),
         ]),
         _table("Parameters of right causes", [
             _row("within 2 standard deviations", share([abs(p) < 2 for p in pulls]))]),
