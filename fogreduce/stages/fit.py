@@ -146,7 +146,15 @@ class Fit:
     def unstable(self, bins: Bins, threshold: float, min_duration_s: float) -> list[Unstable]:
         """Intervals in which a gyro is unstable, see `unstable_intervals`."""
         n = self.facts.n_gyros
-        return unstable_intervals(bins.time_s, bins.count[:n], bins.scatter[:n], threshold, min_duration_s)
+        # A bin that holds an edge between two rates scatters by the step: it says nothing of the gyro.
+        whole = np.logical_or.reduce([self._holds(segment, bins.time_s) for segment in self.segments])
+        count = np.where(whole, bins.count[:n], 0.0)
+        return unstable_intervals(bins.time_s, count, bins.scatter[:n], threshold, min_duration_s)
+
+    def _holds(self, segment: Segment, time_s: Array) -> Mask:
+        """Which bins, by their middles [s], lie wholly in a segment, guards left out."""
+        half = self.bin_s / 2
+        return self.inside(segment, time_s - half) & self.inside(segment, time_s + half)
 
     def fits(self, bins: Bins) -> list[SegmentFit]:
         """The fitted curves of every segment."""
@@ -167,9 +175,7 @@ class Fit:
         if fitted is None:
             return None
         time_s = bins.time_s
-        inside = self.inside(segment, time_s - self.bin_s / 2) & self.inside(
-            segment, time_s + self.bin_s / 2
-        )
+        inside = self._holds(segment, time_s)
         mean = bins.mean[channel][inside]
         if np.count_nonzero(np.isfinite(mean)) < _LEAST_BINS:
             return ChannelFit(self.channels[channel], fitted, None, None)
