@@ -1,7 +1,8 @@
 """Captures of format `csv-1`: a header line ``time_s,gyro1_V,...,gyroN_V``, then a record a line.
 
 An empty field is "no answer". Records are not numbered: a record's pulse number is its time times the
-sample rate, rounded, so that a lost line leaves a hole as a lost record does.
+sample rate, rounded, so that a lost line leaves a hole as a lost record does; but where a time is far ahead
+of those around it the pulse number goes by these, so that the stamp is found to be wrong.
 """
 
 from __future__ import annotations
@@ -12,14 +13,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.block import RawBlock
 from fogreduce.datasets.readers.facts import CaptureFacts
 from fogreduce.errors import BadInput
+from fogreduce.estimate.outliers import isolated
 
 FORMAT = "csv-1"
 _COUNT_BYTES = 1 << 20
+_APART_PULSES, _APART_S = 8, 0.05  # as `fogreduce.estimate.sequence` tells a wrong stamp
 _LATEST_S = 1e9  # thirty years; beyond it a time stamp is surely not seconds since the start
 
 
@@ -101,7 +105,7 @@ class CsvReader:
                 yield RawBlock(
                     start=start,
                     time_us=time_us,
-                    pulse=np.rint(time_s * self._rate).astype(np.int64),
+                    pulse=self._pulses(time_s),
                     counts=None,
                     volts=np.ascontiguousarray(values[1:]),
                 )
@@ -109,6 +113,17 @@ class CsvReader:
         except (ValueError, ParserError):
             self._blame(start)
             raise
+
+    def _pulses(self, time_s: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Pulse numbers: a time ahead of all around it is a wrong stamp, not a later pulse."""
+        pulse: NDArray[np.int64] = np.rint(time_s * self._rate).astype(np.int64)
+        index = np.arange(pulse.size)
+        lead = pulse - index  # steps down at repeated lines and up at lost ones
+        wrong = np.flatnonzero(isolated(lead, max(_APART_PULSES, _APART_S * self._rate)))
+        for k in wrong.tolist():
+            # One behind is left as it is: it came late, or repeats a pulse.
+            pulse[k] = min(pulse[k], k + int(np.median(lead[max(k - 4, 0) : k + 5])))
+        return pulse
 
     def _blame(self, start: int) -> None:
         """Name the first line from record `start` on that is not a record."""
