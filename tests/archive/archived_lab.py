@@ -1,0 +1,142 @@
+"""A small campaign on its way from run.yaml to a bag, by the product's own commands."""
+
+import contextlib
+import hashlib
+import io
+import json
+import shutil
+from pathlib import Path
+
+from fogreduce.cli.main import main
+from fogreduce.metadata.yaml12 import dump_yaml
+
+CAMPAIGN = "c1"
+RUNS = ("r1", "r2")
+
+RECORD = {
+    "schema": "fogreduce/calibration/1",
+    "unit": "TETRA-01",
+    "version": "2012a",
+    "valid_from": "2012-06-01T00:00:00Z",
+    "procedure": "certificate 7",
+    "H": [[0.29, 0.29, 0.29, 0.5], [0.0, 0.71, -0.7, 0.0], [0.81, -0.41, -0.41, 0.0]],
+    "scale_factor_V_per_deg_s": [0.075, 0.09, 0.092, 0.075],
+    "bias_V": [1e-4, 6e-4, 2e-4, -4e-4],
+}
+
+
+def run_yaml(run_id):
+    """Two rates, so that the tables have segments; each run turns the other way."""
+    rate = 10.0 if run_id == "r1" else -10.0
+    return {
+        "schema": "fogreduce/run/1",
+        "run_id": run_id,
+        "unit": "TETRA-01",
+        "started_at": "2014-05-12T13:00:00Z",
+        "site": {"latitude_deg": -23.2},
+        "table": {
+            "axis": "x",
+            "profile": [{"rate_deg_s": rate, "duration_s": 40.0}, {"rate_deg_s": 0.0, "duration_s": 30.0}],
+        },
+        "orientation": {"x": "up", "z": "north"},
+        "capture": {
+            "file": "capture.fogcap",
+            "format": "fogcap-1",
+            "sample_rate_hz": 16.0,
+            "volts_per_count": 1e-7,
+            "polarity": [1, -1, 1, 1],
+        },
+        "calibration": "TETRA-01@2012a",
+    }
+
+
+def call(*arguments):
+    """A command's exit status, standard output and standard error."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = main([str(argument) for argument in arguments])
+    return status, out.getvalue(), err.getvalue()
+
+
+def succeed(*arguments):
+    """Standard output of a command that must succeed."""
+    status, out, err = call(*arguments)
+    assert status == 0, err
+    return out
+
+
+class ArchivedLab:
+    """Folders of the campaign, the calibration records, the results and the bags."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.campaigns = root / "campaigns"
+        self.calibrations = root / "calibrations"
+        self.results = root / "results"
+        self.bag = root / "bags" / CAMPAIGN
+        (self.calibrations / "TETRA-01").mkdir(parents=True)
+        (self.calibrations / "TETRA-01" / "2012a.yaml").write_text(dump_yaml(RECORD))
+        plan = root / "plan" / CAMPAIGN
+        for run_id in RUNS:
+            folder = plan / "runs" / run_id
+            folder.mkdir(parents=True)
+            (folder / "run.yaml").write_text(dump_yaml(run_yaml(run_id)))
+        (plan / "campaign.yaml").write_text(dump_yaml({"title": "two runs, made up for tests"}))
+        made = self.campaigns / CAMPAIGN
+        succeed("simulate", plan, "--calibrations", self.calibrations, "--out", made)
+        for run_id in RUNS:
+            self.reduce(run_id)
+        self.digest = self.archive(root / "bags")
+
+    def reduce(self, run_id, *more):
+        """Reduce a run into the results, and take its checksums."""
+        out = self.results / CAMPAIGN / run_id
+        run = self.campaigns / CAMPAIGN / "runs" / run_id
+        succeed("reduce", run, "--calibrations", self.calibrations, "--out", out, *more)
+        succeed("checksums", out)
+        return out
+
+    def arguments(self, out):
+        """Arguments that archive the results into a folder."""
+        places = ["--campaigns", self.campaigns, "--calibrations", self.calibrations]
+        return ["archive", self.results, *places, "--out", out]
+
+    def archive(self, out):
+        """Archive; the digest that is printed."""
+        return succeed(*self.arguments(out)).split()[0]
+
+    def copy(self, target):
+        """A copy of the bag."""
+        return Path(shutil.copytree(self.bag, target))
+
+
+def seal(bag):
+    """Make every checksum of a bag anew, as someone who covers up a change would; the new digest."""
+    data = bag / "data"
+    payload = sorted(path for path in data.rglob("*") if path.is_file() and not path.is_symlink())
+    lines = sorted((path.relative_to(bag).as_posix(), sha256_of(path)) for path in payload)
+    (bag / "manifest-sha256.txt").write_text("".join(f"{digest}  {path}\n" for path, digest in lines))
+    info = (bag / "bag-info.txt").read_text().splitlines()
+    oxum = f"Payload-Oxum: {sum(path.stat().st_size for path in payload)}.{len(payload)}"
+    info = [oxum if line.startswith("Payload-Oxum") else line for line in info]
+    (bag / "bag-info.txt").write_text("".join(f"{line}\n" for line in info))
+    tags = ["bag-info.txt", "bagit.txt", "manifest-sha256.txt"]
+    text = "".join(f"{sha256_of(bag / name)}  {name}\n" for name in tags)
+    (bag / "tagmanifest-sha256.txt").write_text(text)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def describe(bag):
+    """Make the crate's hashes anew too."""
+    path = bag / "data" / "ro-crate-metadata.json"
+    crate = json.loads(path.read_text())
+    for entity in crate["@graph"]:
+        file = bag / "data" / entity["@id"]
+        if "sha256" in entity and file.is_file():
+            entity["sha256"], entity["contentSize"] = sha256_of(file), str(file.stat().st_size)
+    path.write_text(json.dumps(crate))
+
+
+def sha256_of(path):
+    """SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()

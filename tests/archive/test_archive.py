@@ -1,0 +1,138 @@
+"""A bag is written whole, the same bytes for the same results, and only of results that are what they were."""
+
+import hashlib
+import json
+import shutil
+
+import pytest
+from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
+
+from fogreduce.archive.digest import REDUCTION_PARTS, code_digest
+from fogreduce.archive.software import code_digest_of, source_files, source_folder
+
+
+def test_the_same_results_give_the_same_bytes(archived, tmp_path):
+    assert archived.archive(tmp_path) == archived.digest
+    again = {p.relative_to(tmp_path / CAMPAIGN): sha256_of(p) for p in files(tmp_path / CAMPAIGN)}
+    assert again == {p.relative_to(archived.bag): sha256_of(p) for p in files(archived.bag)}
+
+
+def test_the_digest_is_that_of_the_tag_manifest(archived):
+    raw = (archived.bag / "tagmanifest-sha256.txt").read_bytes()
+    assert hashlib.sha256(raw).hexdigest() == archived.digest
+
+
+def test_all_that_is_needed_to_redo_it_lies_there(archived):
+    data = archived.bag / "data"
+    for run_id in RUNS:
+        for name in ("run.yaml", "capture.fogcap"):
+            source = archived.campaigns / CAMPAIGN / "runs" / run_id / name
+            kept = data / "campaigns" / CAMPAIGN / "runs" / run_id / name
+            assert kept.read_bytes() == source.read_bytes()
+        for name in ("manifest.json", "outputs.json", "tables/drift.csv", "datasets/ingest.nc", "reports/fit.json"):
+            kept = data / "results" / CAMPAIGN / run_id / name
+            assert kept.read_bytes() == (archived.results / CAMPAIGN / run_id / name).read_bytes()
+    for name in ("requirements.lock", "Snakefile", "workflow/rules/reduction.smk", "fogreduce/stages/fit.py"):
+        assert (data / "software" / name).is_file()
+    assert (data / "calibrations" / "TETRA-01" / "2012a.yaml").is_file()
+
+
+def test_the_code_hash_can_be_told_from_hashes_alone():
+    root = source_folder(None)
+    hashes = {
+        name.removeprefix("fogreduce/"): sha256_of(root / name)
+        for name in source_files(root)
+        if name.startswith("fogreduce/")
+    }
+    assert code_digest_of(hashes) == code_digest()
+    assert code_digest_of(hashes, ["physics", "units.py"]) == code_digest(["physics", "units.py"])
+
+
+def test_the_archive_is_no_part_of_the_code_that_numbers_come_from():
+    inside = [part for part in REDUCTION_PARTS if part.startswith("archive")]
+    assert inside == ["archive/digest.py", "archive/manifest.py"]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda lab: edit(lab / "tables" / "drift.csv", b"x,", b"y,"), "drift.csv"),
+        (lambda lab: (lab / "tables" / "drift.csv").unlink(), "drift.csv"),
+        (lambda lab: (lab / "tables" / "more.csv").write_text("a\n"), "more.csv"),
+        (lambda lab: (lab / "outputs.json").unlink(), "outputs.json"),
+        (lambda lab: edit(lab / "manifest.json", b'"edge_guard_s": 0.5', b'"edge_guard_s": 0.6'), "version_id"),
+    ],
+)
+def test_results_that_are_not_what_they_were_are_refused(archived, tmp_path, spoil, said):
+    results = tmp_path / "results"
+    shutil.copytree(archived.results, results)
+    spoil(results / CAMPAIGN / "r2")
+    arguments = [results if a == archived.results else a for a in archived.arguments(tmp_path / "bags")]
+    status, out, err = call(*arguments)
+    assert status == 2
+    assert said in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert not list((tmp_path / "bags").rglob("*"))
+
+
+def test_a_capture_that_changed_since_is_refused(archived, tmp_path):
+    campaigns = tmp_path / "campaigns"
+    shutil.copytree(archived.campaigns, campaigns)
+    capture = campaigns / CAMPAIGN / "runs" / "r1" / "capture.fogcap"
+    raw = bytearray(capture.read_bytes())
+    raw[1000] ^= 1
+    capture.write_bytes(raw)
+    arguments = [campaigns if a == archived.campaigns else a for a in archived.arguments(tmp_path / "bags")]
+    status, _, err = call(*arguments)
+    assert status == 2
+    assert str(capture) in err
+    assert not list((tmp_path / "bags").rglob("*"))
+
+
+def test_another_code_than_the_results_is_refused(archived, tmp_path):
+    source = tmp_path / "source"
+    root = source_folder(None)
+    for name in source_files(root):
+        (source / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(root / name, source / name)
+    edit(source / "fogreduce" / "units.py", b"", b"# another\n")
+    status, _, err = call(*archived.arguments(tmp_path / "bags"), "--source", source)
+    assert status == 2
+    assert "code_sha256" in err
+    assert not list((tmp_path / "bags").rglob("*"))
+
+
+def test_a_bag_is_never_written_over(archived):
+    status, _, err = call(*archived.arguments(archived.bag.parent))
+    assert status == 2
+    assert str(archived.bag) in err
+    assert succeed("verify", archived.bag, "--expect", archived.digest)
+
+
+def test_what_a_killed_process_left_is_swept_away(archived, tmp_path):
+    left = tmp_path / f".{CAMPAIGN}.999999999.tmp"
+    left.mkdir()
+    archived.archive(tmp_path)
+    assert not left.exists()
+
+
+def test_every_manifest_of_checksums_has_each_result(archived):
+    out = archived.results / CAMPAIGN / "r1"
+    outputs = json.loads((out / "outputs.json").read_text())
+    named = {entry["name"]: entry["sha256"] for entry in outputs["files"]}
+    there = {p.relative_to(out).as_posix() for p in files(out)}
+    assert set(named) == {n for n in there if not n.startswith("versions/") and n != "outputs.json"}
+    assert all(sha256_of(out / name) == digest for name, digest in named.items())
+    assert outputs["machine"]["cpu_features"]
+    assert {"numpy", "h5py"} <= set(outputs["machine"]["libraries"])
+
+
+def files(folder):
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def edit(path, old, new):
+    raw = path.read_bytes()
+    assert old in raw
+    path.write_bytes(raw.replace(old, new, 1))
