@@ -6,6 +6,7 @@ import argparse
 import errno
 import importlib
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,6 +24,9 @@ COMMANDS = {
     "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
     "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),
     "curve": ("curve", "fit the mean curve of a reduced run with its rate free, by Levenberg-Marquardt"),
+    "checksums": ("checksums", "take the checksums of a run's results and keep that version (a node)"),
+    "archive": ("archive", "archive reduced campaigns: a BagIt bag each, with all that is needed to redo it"),
+    "verify": ("verify", "verify an archive: every byte, completeness, and that its records agree"),
     "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
 }
 
@@ -93,4 +97,6 @@ def console() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Pydantic's plugins, of which there are none, are looked for in every installed package: 25 ms.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    # Ended by a scheduler, as by Ctrl-C: what is half written is taken away.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     sys.exit(main())

@@ -29,7 +29,13 @@ def test_all_that_is_needed_to_redo_it_lies_there(archived):
             source = archived.campaigns / CAMPAIGN / "runs" / run_id / name
             kept = data / "campaigns" / CAMPAIGN / "runs" / run_id / name
             assert kept.read_bytes() == source.read_bytes()
-        for name in ("manifest.json", "outputs.json", "tables/drift.csv", "datasets/ingest.nc", "reports/fit.json"):
+        for name in (
+            "manifest.json",
+            "outputs.json",
+            "tables/drift.csv",
+            "datasets/ingest.nc",
+            "reports/fit.json",
+        ):
             kept = data / "results" / CAMPAIGN / run_id / name
             assert kept.read_bytes() == (archived.results / CAMPAIGN / run_id / name).read_bytes()
     for name in ("requirements.lock", "Snakefile", "workflow/rules/reduction.smk", "fogreduce/stages/fit.py"):
@@ -60,7 +66,10 @@ def test_the_archive_is_no_part_of_the_code_that_numbers_come_from():
         (lambda lab: (lab / "tables" / "drift.csv").unlink(), "drift.csv"),
         (lambda lab: (lab / "tables" / "more.csv").write_text("a\n"), "more.csv"),
         (lambda lab: (lab / "outputs.json").unlink(), "outputs.json"),
-        (lambda lab: edit(lab / "manifest.json", b'"edge_guard_s": 0.5', b'"edge_guard_s": 0.6'), "version_id"),
+        (
+            lambda lab: edit(lab / "manifest.json", b'"edge_guard_s": 0.5', b'"edge_guard_s": 0.6'),
+            "version_id",
+        ),
     ],
 )
 def test_results_that_are_not_what_they_were_are_refused(archived, tmp_path, spoil, said):

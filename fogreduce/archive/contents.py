@@ -1,0 +1,194 @@
+"""What goes into the archive of a campaign, and where it lies there; nothing is read but the records.
+
+============================================ ===========================================================
+``campaigns/<campaign>/``                    campaign.yaml, run.yaml of each run, captures and logs
+``captures/<campaign>/``                     captures that the workflow made, where campaign.yaml says so
+``calibrations/<unit>/<version>.yaml``       the records that the runs used
+``results/<campaign>/<run>/``                manifest, checksums, datasets, reports, tables, figures, versions
+``software/``                                the package's source, its rules, the lock of its environment
+============================================ ===========================================================
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from fogreduce.archive.outputs import result_files
+from fogreduce.archive.records import (
+    MANIFEST,
+    OUTPUTS,
+    HashedFile,
+    Manifest,
+    Outputs,
+    read_manifest,
+    read_outputs,
+)
+from fogreduce.archive.software import source_files
+from fogreduce.archive.versions import kept_versions, same
+from fogreduce.errors import BadInput, Fault
+from fogreduce.metadata.faults import NAME_PATTERN
+
+#: Where the workflow keeps the captures that it made, in the folder of the results.
+MADE = "_captures"
+
+
+@dataclass(frozen=True)
+class Item:
+    """One file to be archived: its path in the archive, where it lies now, and the hash it must have."""
+
+    path: str
+    source: Path
+    sha256: str | None = None
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """A run in the archive: its newest manifest and checksums, and where its inputs lie there."""
+
+    manifest: Manifest
+    outputs: Outputs
+    inputs: str  # folder in the archive
+
+    @property
+    def results(self) -> str:
+        """Folder of its results in the archive."""
+        return f"results/{self.manifest.campaign}/{self.manifest.run_id}"
+
+
+@dataclass(frozen=True)
+class Contents:
+    """All that goes into one campaign's archive."""
+
+    campaign: str
+    items: list[Item]
+    runs: list[RunRecord]
+
+
+def campaigns_in(results: Path) -> list[str]:
+    """Names of the campaigns that a results folder holds, in order."""
+    if not results.is_dir():
+        raise BadInput.at(results, "", found="no such folder", expected="a folder of results")
+    return sorted({path.parent.parent.name for path in results.glob(f"*/*/{MANIFEST}") if _is_run(path)})
+
+
+def _is_run(manifest: Path) -> bool:
+    return all(re.fullmatch(NAME_PATTERN.strip("^$"), part) for part in manifest.parts[-3:-1])
+
+
+def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, source: Path) -> Contents:
+    """The archive of one campaign, planned.
+
+    Parameters
+    ----------
+    results : Path
+        Folder of all results: ``<results>/<campaign>/<run>``.
+    campaign : str
+        Its name.
+    campaigns, calibrations : Path
+        Folders of the campaigns and of the calibration records.
+    source : Path
+        Folder of the package's source.
+
+    Raises
+    ------
+    BadInput
+        A file that the records name is not there, or another lies where none should.
+    """
+    folders = sorted(path.parent for path in (results / campaign).glob(f"*/{MANIFEST}") if _is_run(path))
+    if not folders:
+        raise BadInput.at(results / campaign, "", found="no reduced run", expected="one folder a run")
+    made = results / MADE / campaign
+    items: dict[str, Item] = {}
+    runs: list[RunRecord] = []
+    faults: list[Fault] = []
+    for folder in folders:
+        try:
+            record, found = _run(folder, campaign, campaigns / campaign, made, calibrations)
+        except BadInput as error:
+            faults += error.faults
+            continue
+        runs.append(record)
+        items |= {item.path: item for item in found}
+    if faults:
+        raise BadInput(*faults)
+    shared = [(campaigns / campaign, f"campaigns/{campaign}")]
+    if any(run.inputs.startswith("captures/") for run in runs):
+        shared.append((made, f"captures/{campaign}"))
+    for run in runs:
+        if run.inputs.startswith("captures/"):
+            # The run.yaml that a made capture was made from: the workflow starts there.
+            name = f"runs/{run.manifest.run_id}"
+            shared.append((campaigns / campaign / name, f"campaigns/{campaign}/{name}"))
+    for parent, place in shared:
+        for path in _plain_files(parent):
+            items.setdefault(f"{place}/{path.name}", Item(f"{place}/{path.name}", path))
+    for name in source_files(source):
+        items[f"software/{name}"] = Item(f"software/{name}", source / name)
+    return Contents(campaign, [items[path] for path in sorted(items)], runs)
+
+
+def _plain_files(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        return []
+    return sorted(
+        path
+        for path in folder.iterdir()
+        if path.is_file() and not path.is_symlink() and not path.name.startswith(".")
+    )
+
+
+def _run(
+    folder: Path, campaign: str, given: Path, made: Path, calibrations: Path
+) -> tuple[RunRecord, list[Item]]:
+    manifest, outputs = read_manifest(folder), read_outputs(folder)
+    if (manifest.campaign, manifest.run_id) != (campaign, folder.name):
+        found = f"results of {manifest.campaign}/{manifest.run_id}"
+        raise BadInput.at(folder / MANIFEST, "", found=found, expected=f"{campaign}/{folder.name}")
+    _agree(folder, manifest, outputs)
+    items = _result_items(folder, f"results/{campaign}/{folder.name}", outputs)
+    for version in kept_versions(folder):
+        kept = version.outputs()
+        if not same(kept, outputs):
+            place = f"results/{campaign}/{folder.name}/versions/{version.folder.name}"
+            items += _result_items(version.folder, place, kept)
+    in_made = (made / "runs" / folder.name).is_dir()
+    place = f"{'captures' if in_made else 'campaigns'}/{campaign}/runs/{folder.name}"
+    at = (made if in_made else given) / "runs" / folder.name
+    for entry in manifest.inputs:
+        items.append(_item(f"{place}/{entry.name}", at / entry.name, entry))
+    unit, _, version_name = manifest.calibration.id.partition("@")
+    record = f"{unit}/{version_name}.yaml"
+    path = calibrations / record
+    if not path.is_file():
+        raise BadInput.at(path, "", found="no such file", expected="the record that a run was reduced with")
+    items.append(Item(f"calibrations/{record}", path, manifest.calibration.sha256))
+    return RunRecord(manifest, outputs, place), items
+
+
+def _agree(folder: Path, manifest: Manifest, outputs: Outputs) -> None:
+    """BadInput where the results are not those whose checksums were taken."""
+    if outputs.version_id != manifest.version_id:
+        expected = f"{manifest.version_id}, as the manifest: `fogreduce checksums` comes after the last stage"
+        raise BadInput.at(folder / OUTPUTS, "version_id", found=outputs.version_id, expected=expected)
+    named = {file.name for file in outputs.files}
+    if extra := sorted(set(result_files(folder)) - named):
+        raise BadInput.at(
+            folder / extra[0], "", found="a file without a checksum", expected=f"only what {OUTPUTS} lists"
+        )
+
+
+def _result_items(folder: Path, place: str, outputs: Outputs) -> list[Item]:
+    items = [_item(f"{place}/{file.name}", folder / file.name, file) for file in outputs.files]
+    return [*items, Item(f"{place}/{OUTPUTS}", folder / OUTPUTS)]
+
+
+def _item(path: str, source: Path, entry: HashedFile) -> Item:
+    if "/" + path != str(Path("/" + path)) or ".." in Path(path).parts:
+        raise BadInput.at(source, "", found=f"the name {entry.name}", expected="a file in its folder")
+    if not source.is_file():
+        raise BadInput.at(source, "", found="no such file", expected="a file that the records name")
+    if (size := source.stat().st_size) != entry.bytes:
+        raise BadInput.at(source, "", found=f"{size} bytes", expected=f"{entry.bytes}, as recorded")
+    return Item(path, source, entry.sha256)

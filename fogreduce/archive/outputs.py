@@ -1,0 +1,89 @@
+"""outputs.json: size and SHA-256 of every file of a run's results, taken when they are finished."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from fogreduce.archive.digest import file_digest
+from fogreduce.archive.machine import machine
+from fogreduce.archive.records import OUTPUTS, OUTPUTS_SCHEMA, Manifest, read_manifest
+from fogreduce.datasets.atomic import write_text
+from fogreduce.errors import BadInput
+
+#: Older versions of the results, beside the new.
+VERSIONS = "versions"
+#: What lies in a run's folder and is not a result: it differs each time.
+_ASIDE = ("logs", "benchmarks", VERSIONS)
+
+
+def result_files(folder: Path) -> Iterator[str]:
+    """Names of the files of a run's results, in order; hidden ones, logs and benchmarks are no results."""
+    for entry in sorted(folder.iterdir()):
+        if entry.name.startswith(".") or entry.name in (*_ASIDE, OUTPUTS):
+            continue
+        yield from _files(entry, folder)
+
+
+def _files(path: Path, folder: Path) -> Iterator[str]:
+    if path.is_symlink():
+        raise BadInput.at(path, "", found="a link", expected="a file of the results")
+    if path.is_file():
+        yield path.relative_to(folder).as_posix()
+    elif path.is_dir():
+        for entry in sorted(path.iterdir()):
+            if not entry.name.startswith("."):
+                yield from _files(entry, folder)
+    else:
+        raise BadInput.at(path, "", found="neither a file nor a folder", expected="a file of the results")
+
+
+def checksums(folder: Path) -> dict[str, Any]:
+    """The content of outputs.json for a run's results folder, as its files are now."""
+    manifest = read_manifest(folder)
+    _complete(folder, manifest)
+    files = []
+    for name in result_files(folder):
+        path = folder / name
+        files.append({"name": name, "bytes": path.stat().st_size, "sha256": file_digest(path)})
+    return {
+        "schema": OUTPUTS_SCHEMA,
+        "version_id": manifest.version_id,
+        "machine": machine(),
+        "files": files,
+    }
+
+
+def _complete(folder: Path, manifest: Manifest) -> None:
+    """BadInput unless the last stage's table is there and of the manifest's version."""
+    path = folder / "tables" / "drift.csv"
+    if not path.is_file():
+        raise BadInput.at(path, "", found="no such file", expected="the table of the last stage")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    columns = lines[0].split(",") if lines else []
+    if "version_id" in columns and len(lines) > 1:
+        found = lines[1].split(",")[columns.index("version_id")]
+        if found != manifest.version_id:
+            expected = f"{manifest.version_id}, as the manifest has it"
+            raise BadInput.at(path, "version_id", found=found, expected=expected)
+
+
+def write_checksums(folder: Path) -> dict[str, Any]:
+    """Write outputs.json; its content."""
+    if not folder.is_dir():
+        raise BadInput.at(folder, "", found="no such folder", expected="a run's results")
+    data = checksums(folder)
+    write_text(folder / OUTPUTS, json.dumps(data, indent=1, allow_nan=False) + "\n")
+    return data
+
+
+def sync(path: Path) -> None:
+    """Make sure that a file's or folder's bytes are on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,41 @@
+"""archive.json: which runs an archive holds, where, and of which code."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator
+
+from fogreduce.archive.records import VersionId
+from fogreduce.metadata.base import Model, Name
+from fogreduce.metadata.faults import unexpected
+
+Folder = Annotated[
+    str, Field(pattern=r"^(campaigns|captures|results)(/[A-Za-z0-9][A-Za-z0-9._-]{0,63}){2,3}$")
+]
+
+
+class RunEntry(Model):
+    """A run in an archive."""
+
+    run_id: Name
+    version_id: VersionId
+    inputs: Folder = Field(description="folder of its run.yaml and capture")
+    results: Folder = Field(description="folder of its results")
+
+
+class ArchiveRecord(Model):
+    """archive.json."""
+
+    schema_id: Literal["fogreduce/archive/1"] = Field(alias="schema")
+    campaign: Name
+    software: dict[str, Any] = Field(description="version of fogreduce and hash of its code")
+    code_parts: list[str] = Field(min_length=1, description="parts of the package that the hash is over")
+    runs: list[RunEntry] = Field(min_length=1)
+
+    @field_validator("software")
+    @classmethod
+    def _names_its_code(cls, software: dict[str, Any]) -> dict[str, Any]:
+        if not isinstance(software.get("code_sha256"), str):
+            raise unexpected("fogreduce and code_sha256")
+        return software

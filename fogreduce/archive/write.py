@@ -1,0 +1,77 @@
+"""The archive of one campaign: its contents planned, copied into a bag, described, sealed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+
+import fogreduce
+from fogreduce.archive.bag import BagWriter
+from fogreduce.archive.contents import Contents
+from fogreduce.archive.crate import CRATE, crate
+from fogreduce.archive.digest import REDUCTION_PARTS
+from fogreduce.archive.software import code_digest_of
+from fogreduce.errors import BadInput, Fault
+
+RECORD = "archive.json"
+RECORD_SCHEMA = "fogreduce/archive/1"
+_PACKAGE = "software/fogreduce/"
+
+
+def write_bag(contents: Contents, target: Path, progress: Callable[[int], None] = lambda done: None) -> str:
+    """Write the bag of a campaign; returns the SHA-256 of its tag manifest.
+
+    Raises
+    ------
+    BadInput
+        The bag is there already; a file is not what the records say; the source is not the code that the
+        results come from.
+    """
+    with BagWriter(target, progress) as bag:
+        # The source first: where it is the wrong one, that is known before a capture is copied.
+        bag.add(item for item in contents.items if item.path.startswith("software/"))
+        sources = {
+            path.removeprefix(_PACKAGE): digest
+            for path, digest in bag.hashes.items()
+            if path.startswith(_PACKAGE)
+        }
+        code = code_digest_of(sources)
+        _same_code(contents, code)
+        bag.add(item for item in contents.items if not item.path.startswith("software/"))
+        record = {
+            "schema": RECORD_SCHEMA,
+            "campaign": contents.campaign,
+            "software": {"fogreduce": fogreduce.__version__, "code_sha256": code},
+            "code_parts": list(REDUCTION_PARTS),
+            "runs": [
+                {
+                    "run_id": run.manifest.run_id,
+                    "version_id": run.manifest.version_id,
+                    "inputs": run.inputs,
+                    "results": run.results,
+                }
+                for run in contents.runs
+            ],
+        }
+        bag.add_text(RECORD, json.dumps(record, indent=1) + "\n")
+        versions = {"fogreduce": fogreduce.__version__, "snakemake": version("snakemake")}
+        bag.add_text(CRATE, crate(contents, bag.hashes, bag.sizes, versions))
+        return bag.finish(
+            {
+                "Bag-Software-Agent": f"fogreduce {fogreduce.__version__}",
+                "External-Description": f"fogreduce archive of the campaign {contents.campaign}",
+                "External-Identifier": contents.campaign,
+            }
+        )
+
+
+def _same_code(contents: Contents, code: str) -> None:
+    faults = []
+    for run in contents.runs:
+        if (found := run.manifest.software.get("code_sha256")) != code:
+            expected = f"{code}, the code of the source: reduce again, or name the right --source"
+            faults.append(Fault(f"{run.results}/manifest.json", "software.code_sha256", str(found), expected))
+    if faults:
+        raise BadInput(*faults[:1])

@@ -1,0 +1,60 @@
+"""``fogreduce archive RESULTS --out DIR``: a bag for each campaign, with all that is needed to redo it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from fogreduce.errors import BadInput
+
+HELP = "archive reduced campaigns: a BagIt bag each, with captures, results and software"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("results", type=Path, metavar="RESULTS", help="folder of the results")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder for the bags, DIR/<campaign>"
+    )
+    parser.add_argument(
+        "--campaigns", type=Path, default=Path("campaigns"), metavar="DIR", help="folder of the campaigns"
+    )
+    parser.add_argument(
+        "--calibrations",
+        type=Path,
+        default=Path("calibrations"),
+        metavar="DIR",
+        help="folder of the calibration records",
+    )
+    parser.add_argument(
+        "--only", metavar="NAME,...", help="campaigns to archive (default: all that have results)"
+    )
+    parser.add_argument(
+        "--source",
+        type=Path,
+        metavar="DIR",
+        help="folder of fogreduce's source (default: the one that runs)",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Archive; each bag with the SHA-256 of its tag manifest on standard output."""
+    from fogreduce.archive.contents import campaigns_in, contents
+    from fogreduce.archive.software import source_folder
+    from fogreduce.archive.write import write_bag
+    from fogreduce.cli.progress import progress
+
+    source = source_folder(arguments.source)
+    found = campaigns_in(arguments.results)
+    names = arguments.only.split(",") if arguments.only is not None else found
+    if missing := [name for name in names if name not in found]:
+        raise BadInput.at("--only", "", found=missing[0] or "nothing", expected=", ".join(found) or "results")
+    if not names:
+        raise BadInput.at(arguments.results, "", found="no reduced run", expected="<campaign>/<run> in it")
+    for name in names:
+        planned = contents(arguments.results, name, arguments.campaigns, arguments.calibrations, source)
+        total = sum(item.source.stat().st_size for item in planned.items)
+        with progress(total, "B") as told:
+            digest = write_bag(planned, arguments.out / name, told)
+        print(f"{digest}  {arguments.out / name}")
+    return 0

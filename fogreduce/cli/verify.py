@@ -1,0 +1,37 @@
+"""``fogreduce verify BAG [--expect SHA256]``: is every byte what it was, and does all of it agree?"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+from fogreduce.errors import BadInput
+
+HELP = "verify an archive: every byte, completeness, and that its records agree"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("bag", type=Path, metavar="BAG", help="the bag's folder")
+    parser.add_argument(
+        "--expect",
+        metavar="SHA256",
+        help="what `fogreduce archive` printed: the SHA-256 of the bag's tag manifest",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Verify; every fault is named, a line each."""
+    expect = arguments.expect
+    if expect is not None and not re.fullmatch(r"[0-9a-f]{64}", expect):
+        raise BadInput.at("--expect", "", found=expect, expected="64 hexadecimal digits in lower case")
+    from fogreduce.archive.verify import listed, verify
+    from fogreduce.cli.progress import progress
+
+    with progress(sum(listed(arguments.bag).sizes.values()), "B") as told:
+        found = verify(arguments.bag, expect, told)
+    if found.faults:
+        raise BadInput(*found.faults)
+    print(f"{found.digest}  {arguments.bag}: {found.files} files, {found.bytes} bytes, all as archived")
+    return 0
