@@ -158,6 +158,15 @@ def _runs_and_records(
             if run.calibration not in records:
                 records[run.calibration], _ = load_calibration(calibrations_dir, run.calibration)
             cross_check(run, records[run.calibration], folder / "run.yaml")
+            if run.n_expected == 0:
+                faults.append(
+                    Fault(
+                        str(folder / "run.yaml"),
+                        "table.profile",
+                        f"{run.duration_s:g} s, no sample",
+                        "a longer one",
+                    )
+                )
             runs[run.run_id] = run
         except BadInput as error:
             faults += error.faults

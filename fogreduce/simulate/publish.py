@@ -22,10 +22,13 @@ def published(out: Path) -> Iterator[Path]:
     try:
         temporary.mkdir(parents=True)
         yield temporary
-        if whole.exists():
-            _move_files(temporary, whole)
-        else:
+        try:
             temporary.rename(whole)
+        except OSError:
+            # Something stands there: an older output, or what another process is making beside this one.
+            if not whole.is_dir():
+                raise
+            _move_files(temporary, whole)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 
