@@ -29,10 +29,16 @@ def draw(results: Results) -> Figure:
     per_volt = SECONDS_PER_HOUR / np.abs(results.setup.facts.scale_factor)
     for axes, (name, family) in zip(row, families, strict=True):
         scales = per_volt if family is results.gyros else np.full(3, SECONDS_PER_HOUR)
-        for k, scale in enumerate(scales.tolist()):
-            _draw_channel(axes, results, family, k, segment, scale)
+        drawn = [
+            _draw_channel(axes, results, family, k, segment, scale) for k, scale in enumerate(scales.tolist())
+        ]
         axes.set_title(name)
-        _log_log(axes)
+        axes.set_xlabel("averaging time [s]")
+        if any(drawn):
+            _log_log(axes)
+        else:
+            axes.set_xticks([])
+            style.say_empty(axes, "too few bins")
         axes.legend(loc="upper right", fontsize=8.5)
     row[0].set_ylabel("Allan deviation [deg/h]")
     if len(results.segments) > 1:
@@ -47,15 +53,16 @@ def draw(results: Results) -> Figure:
 
 def _draw_channel(
     axes: Axes, results: Results, family: Family, channel: int, segment: dict[str, Any], scale: float
-) -> None:
+) -> bool:
+    """Points and model of one channel; False where there are too few bins for either."""
     name = family.names[channel]
     item = channel_of(segment, name)
     inside = (family.time_s >= segment["start_s"]) & (family.time_s < segment["stop_s"])
     color, marker = style.CHANNELS[channel % len(style.CHANNELS)]
     left = residuals(results, family, channel)[inside]
     if item is None or item["noise"] is None or left.size < 3:
-        axes.plot([], [], marker, color=color, label=f"{name}: too few bins")
-        return
+        axes.plot([], [], marker, color=color, markersize=4.5, label=f"{name}: too few bins")
+        return False
     tau, variance, freedom = allan_variance(left, results.bin_s)
     deviation = scale * np.sqrt(variance)
     error = deviation / np.sqrt(2 * freedom)
@@ -66,6 +73,7 @@ def _draw_channel(
     fine = np.geomspace(tau[0], tau[-1], 60)
     model = scale * np.sqrt(ColouredNoise(**item["noise"]).allan_variance(fine))
     axes.plot(fine, model, color=color, linewidth=1.0)
+    return True
 
 
 def _log_log(axes: Axes) -> None:
@@ -78,4 +86,3 @@ def _log_log(axes: Axes) -> None:
         axis.set_major_locator(LogLocator(subs=subs, numticks=20))
         axis.set_minor_locator(NullLocator())
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set_xlabel("averaging time [s]")

@@ -37,11 +37,14 @@ def draw(results: Results) -> Figure:
     for k, (name, sign, (whole, end)) in enumerate(zip(family.names, signs, rows, strict=True)):
         measured_s, measured = measured_errors(results, k)
         whole.plot(*thin_line(measured_s, measured), **_MEASURED)
-        whole.plot(times, error_angle(results.segments, name, times), color=style.ADJUSTED, linewidth=1.2)
+        error = error_angle(results.segments, name, times)
+        whole.plot(times, error, color=style.ADJUSTED, linewidth=1.2)
         whole.axhline(0.0, color=style.COMMAND, linewidth=1.0, dashes=(1, 1.5))
         whole.margins(y=0.08)
         whole.set_title(f"{name} less the commanded angle")
         whole.set_ylabel("angle [deg]")
+        if not np.isfinite(error).any():
+            style.say_empty(whole, "no fitted curve")
         _draw_end(end, results, name, sign, np.linspace(start, stop, 101), measured_s, measured)
     _say_drifts(results, [row[0] for row in rows], [row[1] for row in rows])
     for axes, span in zip(rows[-1], ((0.0, stop), (start, stop)), strict=True):
@@ -85,6 +88,8 @@ def _draw_end(
     axes.plot(times[-1:], curve[-1:], "o", color=style.ADJUSTED, markersize=5, clip_on=False, zorder=5)
     axes.margins(y=0.12)
     axes.set_title(f"{name}, the end")
+    if not np.isfinite(curve).any():
+        style.say_empty(axes, "no fitted curve")
 
 
 def _say_drifts(results: Results, whole: list[Axes], ends: list[Axes]) -> None:

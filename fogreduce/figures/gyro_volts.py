@@ -26,7 +26,8 @@ def draw(results: Results) -> Figure:
         bulk_range(gyros.lowest[k], gyros.highest[k], values, gyros.mean[k])
         for k, (_, values) in enumerate(drawn)
     ]
-    scale, unit = parts.volt_unit(float(np.max(np.abs(ranges))))
+    answered = [bool(np.isfinite(mean).any()) for mean in gyros.mean]
+    scale, unit = parts.volt_unit(float(np.max(np.abs(ranges)[answered], initial=0.0)))
     unstable = False
     for k, (name, (axes,)) in enumerate(zip(gyros.names, rows, strict=True)):
         axes.set_ylim(ranges[k][0] * scale, ranges[k][1] * scale)
@@ -38,6 +39,8 @@ def draw(results: Results) -> Figure:
         beyond = mark_beyond(axes, columns, gyros.lowest[k], gyros.highest[k], scale, parts.volts)
         style.note(axes, beyond, style.SPIKE)
         axes.set_ylabel(f"volts [{unit}]")
+        if not answered[k]:
+            style.say_empty(axes, "no usable values")
     last = rows[-1][0]
     last.set_xlim(*results.span_s)
     last.set_xlabel(style.TIME_LABEL)

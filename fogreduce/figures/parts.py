@@ -35,7 +35,7 @@ def segment_times(results: Results) -> list[Array]:
 def curves(
     results: Results, channel: str, evaluate: Callable[[Mapping[str, Any], Mapping[str, Any], Array], Array]
 ) -> tuple[Array, Array]:
-    """A curve over all segments, broken (NaN) between them: times [s] and values.
+    """A curve over all segments up to the last record, broken (NaN) between them: times [s] and values.
 
     Parameters
     ----------
@@ -47,9 +47,10 @@ def curves(
         (segment, fit of the channel, times) -> values; not asked where a channel has no curve.
     """
     times, values = [np.empty(0)], [np.empty(0)]
-    for segment, time_s in zip(results.segments, segment_times(results), strict=True):
-        item = channel_of(segment, channel)
-        if item is None:
+    end = results.gyros.time_s[-1] + results.bin_s
+    for segment, whole in zip(results.segments, segment_times(results), strict=True):
+        item, time_s = channel_of(segment, channel), whole[whole <= end]
+        if item is None or time_s.size == 0:
             continue
         times += [time_s, time_s[-1:]]
         values += [evaluate(segment, item, time_s), np.array([np.nan])]

@@ -61,6 +61,8 @@ def draw_axis(axes: Axes, results: Results, k: int) -> bool:
     axes.set_title(name)
     style.note(axes, mark_beyond(axes, columns, lowest, highest, 1.0, _rate), style.SPIKE)
     axes.set_ylabel("rate [deg/s]")
+    if not np.isfinite(family.mean[k]).any():
+        style.say_empty(axes, "no record in which every gyro has a usable value")
     return shaded
 
 

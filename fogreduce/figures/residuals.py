@@ -69,6 +69,8 @@ def _draw(results: Results, family: Family, title: str, scale: float, unit: str)
         axes.set_title(name)
         style.note(axes, mark_beyond(axes, columns, left, left, scale, quantity), style.SPIKE)
         axes.set_ylabel(f"residual [{unit}]")
+        if not np.isfinite(left).any():
+            style.say_empty(axes, "no fitted curve")
     last = rows[-1][0]
     last.set_xlim(*results.span_s)
     last.set_xlabel(f"{style.TIME_LABEL}, bins of {results.bin_s:g} s")

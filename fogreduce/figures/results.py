@@ -82,7 +82,7 @@ class Results:
             made[1] if setup.axes else None,
             _report(setup, "fit"),
             _report(setup, "ingest"),
-            _table(setup.table("drift")),
+            _drift(setup),
         )
 
     @property
@@ -129,15 +129,23 @@ def _steady(time_s: Array) -> Array:
 def _report(setup: Setup, name: str) -> dict[str, Any]:
     path = setup.out / "reports" / f"{name}.json"
     report = read_json(path)
-    if report.get("version_id") != setup.version_id:
-        expected = f"{setup.version_id}, as the manifest has it"
-        raise BadInput.at(path, "version_id", found=report.get("version_id"), expected=expected)
+    _same_version(setup, path, report.get("version_id"))
     return report
 
 
-def _table(path: Path) -> list[dict[str, str]]:
+def _drift(setup: Setup) -> list[dict[str, str]]:
+    path = setup.table("drift")
     try:
         with path.open(encoding="utf-8", newline="") as file:
-            return list(csv.DictReader(file))
+            rows = list(csv.DictReader(file))
     except OSError as error:
         raise BadInput.at(path, "", found=error.strerror, expected="a table of the reduction") from None
+    for row in rows:
+        _same_version(setup, path, row.get("version_id"))
+    return rows
+
+
+def _same_version(setup: Setup, path: Path, found: object) -> None:
+    if found != setup.version_id:
+        expected = f"{setup.version_id}, as the manifest has it"
+        raise BadInput.at(path, "version_id", found=found, expected=expected)

@@ -171,6 +171,12 @@ def legend(figure: Figure, identity: Identity, handles: Sequence[Artist]) -> Non
     )
 
 
+def say_empty(axes: Axes, text: str) -> None:
+    """A panel that has nothing to show says why, in place of a scale that means nothing."""
+    axes.set_yticks([])
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=QUIET)
+
+
 def note(axes: Axes, text: str, color: str = QUIET) -> None:
     """A remark above a panel's right end."""
     axes.set_title(text, loc="right", size=8.5, color=color)

@@ -63,8 +63,9 @@ def residual_bins(
         item = channel_of(segment, name)
         if item is None:
             continue
-        low = segment["start_s"] + (guard_s + bin_s / 2 if k else -np.inf)
-        high = segment["stop_s"] - (guard_s + bin_s / 2 if k < len(segments) - 1 else -np.inf)
+        first, last = k == 0, k == len(segments) - 1
+        low = -np.inf if first else segment["start_s"] + guard_s + bin_s / 2
+        high = np.inf if last else segment["stop_s"] - guard_s - bin_s / 2
         inside = (time_s >= low) & (time_s < high)
         found[inside] = mean[inside] - binned_curve(item, time_s[inside], bin_s)
     return found

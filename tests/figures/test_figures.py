@@ -3,15 +3,32 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from matplotlib.figure import Figure
 
-from fogreduce.figures import allan, angles, encoder, flags, gyro_volts, rates, residuals, style
+from fogreduce.figures import (
+    allan,
+    angles,
+    encoder,
+    flags,
+    frames,
+    gyro_axes,
+    gyro_volts,
+    published_drift,
+    rates,
+    residuals,
+    style,
+)
 from fogreduce.figures.catalogue import STEMS, plan
 
+ROOT = Path(__file__).parents[2]
+BINS = ("mean", "lowest", "highest", "count")
 LABEL = "made up for a test"
 
 #: Panels of each figure for a unit of four gyros.
@@ -204,3 +221,47 @@ def test_logs_need_the_runs_folder(results):
     left_out = plan(results("spiked"), None).left_out
     assert set(left_out) == {"temperature", "encoder"}
     assert "--run" in left_out["temperature"]
+
+
+def test_a_gyro_that_never_answered_leaves_its_panels_empty(results):
+    run = results("spiked")
+    silent = dataclasses.replace(run.gyros, **{name: getattr(run.gyros, name).copy() for name in BINS})
+    for name in BINS:
+        getattr(silent, name)[2] = 0.0 if name == "count" else np.nan
+    without = [None if item["channel"] == "gyro3" else item for item in run.segments[0]["channels"]]
+    fits = dict(run.fits) | {"segments": [dict(run.segments[0]) | {"channels": without}]}
+    changed = dataclasses.replace(run, gyros=silent, fits=fits)
+    for draw in (gyro_volts.draw, residuals.draw_gyros):
+        said = [[text.get_text() for text in axes.texts] for axes in draw(changed).axes]
+        assert [bool(texts) for texts in said] == [False, False, True, False]
+        assert said[2][0].startswith("no ")
+    legend = [text.get_text() for text in allan.draw(changed).axes[0].get_legend().texts]
+    assert legend == ["gyro1", "gyro2", "gyro3: too few bins", "gyro4"]
+    # The silent gyro's panel does not change the others' unit.
+    assert gyro_volts.draw(changed).axes[0].get_ylabel() == gyro_volts.draw(run).axes[0].get_ylabel()
+
+
+def test_a_capture_that_ends_early_has_no_curve_beyond_its_end(results):
+    run = results("spiked")
+    cut = {name: getattr(run.gyros, name)[..., :100] for name in ("time_s", *BINS)}
+    changed = dataclasses.replace(run, gyros=dataclasses.replace(run.gyros, **cut))
+    for axes in gyro_volts.draw(changed).axes:
+        time_s, _ = line(axes, style.CURVE)
+        assert time_s.max() <= cut["time_s"][-1] + run.bin_s
+
+
+def test_pictures_of_the_docs():
+    record = yaml.safe_load((ROOT / "calibrations" / "TETRA-01" / "2012a.yaml").read_text())
+    projection = np.array(record["H"], float)
+    said = {text.get_text() for axes in gyro_axes.draw(projection, "TETRA-01").axes for text in axes.texts}
+    # cos of the angle from x is the first column of the pseudo-inverse: 54.74 deg but for half a degree
+    angles_deg = np.degrees(np.arccos(np.linalg.pinv(projection)[:, 0]))
+    assert {f"gyro{k + 1}: {angle:.2f} deg" for k, angle in enumerate(angles_deg)} <= said
+    names = {text.get_text() for axes in frames.draw().axes for text in axes.texts}
+    assert {"east", "north", "up", "x", "y", "z", "alpha", "latitude"} <= names
+
+
+def test_picture_of_the_readme_carries_the_label(results):
+    figure = published_drift.draw(results("spiked"))
+    assert LABEL in [text.get_text() for text in figure.texts]
+    assert len(figure.axes) == 2
