@@ -30,8 +30,8 @@ _LATEST_S = 1e9  # thirty years; beyond it a time stamp is surely not seconds si
 def read_columns(path: Path) -> int:
     """Number of gyros from the header line; BadInput where it is not one of `csv-1`."""
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            line = file.readline(1 << 16)
+        with path.open("rb") as file:
+            line = file.readline(1 << 16).decode("utf-8")
     except OSError as error:
         raise BadInput.at(path, "", found=error.strerror, expected="a readable CSV file") from None
     except UnicodeDecodeError:
