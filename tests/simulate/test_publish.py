@@ -22,9 +22,13 @@ def test_nothing_is_there_before_the_end(tmp_path: Path) -> None:
 
 
 def test_a_failure_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(KeyboardInterrupt), published(tmp_path / "out") as folder:
-        (folder / "a").write_text("1")
-        raise KeyboardInterrupt
+    def stopped() -> None:
+        with published(tmp_path / "out") as folder:
+            (folder / "a").write_text("1")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
     assert list(tmp_path.iterdir()) == []
 
 
