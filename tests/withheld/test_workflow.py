@@ -13,6 +13,7 @@ from withheld.study.protocol import study
 
 ROOT = Path(__file__).resolve().parents[2]
 RULES = ROOT / "workflow" / "rules" / "withheld.smk"
+SETTINGS = RULES.with_name("withheld_common.smk")
 
 
 def rule(name):
@@ -32,7 +33,7 @@ def test_only_scoring_is_given_labels():
 
 
 def test_the_number_of_cases_in_the_rules_is_the_study_s():
-    found = dict(re.findall(r'"(small|full)": (\d+)', RULES.read_text()))
+    found = dict(re.findall(r'"(small|full)": (\d+)', SETTINGS.read_text()))
     assert {k: int(v) for k, v in found.items()} == {k: study(k, 1_000_001).cases for k in ("small", "full")}
 
 
