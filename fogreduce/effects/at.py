@@ -22,10 +22,12 @@ class Place:
 
     Attributes
     ----------
+    run_id : str
     gyro : int
         Index of the gyro, from 0; -1 for what is common to all (table, clock).
     group : tuple of int
         Indices of all gyros that the entry names.
+    n_gyros : int
     generator : numpy.random.Generator
         The effect's own stream, for this run and gyro.
     phase_rad : float
@@ -34,8 +36,10 @@ class Place:
         Carried from block to block.
     """
 
+    run_id: str
     gyro: int
     group: tuple[int, ...]
+    n_gyros: int
     generator: np.random.Generator
     phase_rad: float
     state: dict[str, Any] = field(default_factory=dict)

@@ -193,7 +193,7 @@ class ForwardRun:
         phase = float(stream(seed, *words, "phase").uniform(0.0, 2.0 * np.pi))
         for gyro, parameters in action.acting():
             generator = stream(seed, *words, gyro_name(gyro))
-            place = Place(gyro, action.gyros, generator, phase)
+            place = Place(facts.run_id, gyro, action.gyros, facts.n_gyros, generator, phase)
             self._by_stage.setdefault(effect.stage, []).append(_Acting(action, place, parameters))
 
     def _act(self, stage: Stage, rows: Any, time_s: Array, alpha: Array | None = None) -> Any:
