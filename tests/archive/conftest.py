@@ -1,4 +1,4 @@
-"""Makes the builders of tests/archive importable, whatever the import mode, and gives an archived campaign."""
+"""Makes the builders of tests/archive importable, whatever the import mode; gives an archived campaign."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A bag is written whole, the same bytes for the same results, and only of results that are what they were."""
+"""A bag is written whole, the same bytes for the same results, and only of results that are unchanged."""
 
 import hashlib
 import json
