@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.datasets.flags import UNUSABLE_AXES
+from fogreduce.datasets.flags import UNUSABLE_AXES, RecordFlag
 from fogreduce.estimate.bins import Bins, bin_size, bins_of
 from fogreduce.estimate.coloured import (
     ColouredNoise,
@@ -117,12 +117,13 @@ class Fit:
     ) -> None:
         """Add a block: times [s] (N,), flags (N,) and (n, N), volts (n, N) and rates (3, N) or None."""
         usable = usable_gyros(flag, gyro_flag)
-        self._gyro_bins.append(bins_of(time_s, volts, usable, self._size))
+        middle_s = _mended(time_s, flag)
+        self._gyro_bins.append(bins_of(middle_s, volts, usable, self._size))
         usable_axes = None
         if rates is not None:
             if usable is not None:
                 usable_axes = np.broadcast_to((flag & UNUSABLE_AXES) == 0, rates.shape)
-            self._axis_bins.append(bins_of(time_s, rates, usable_axes, self._size))
+            self._axis_bins.append(bins_of(middle_s, rates, usable_axes, self._size))
         for segment in self.segments:
             inside = slice(None) if len(self.segments) == 1 else self.inside(segment, time_s)
             columns = segment.basis.columns(time_s[inside])
@@ -189,6 +190,16 @@ class Fit:
         covariance = coefficient_covariance(columns, noise, self.bin_s)
         to_theta = segment.basis.to_theta
         return ChannelFit(self.channels[channel], fitted, to_theta @ covariance @ to_theta.T, noise)
+
+
+def _mended(time_s: Array, flag: NDArray[np.uint8]) -> Array:
+    """Times with wrong stamps put between their neighbours', so that they move no bin."""
+    wrong = (flag & RecordFlag.BAD_STAMP) != 0
+    if not wrong.any() or wrong.all():
+        return time_s
+    index = np.arange(time_s.size)
+    mended: Array = np.where(wrong, np.interp(index, index[~wrong], time_s[~wrong]), time_s)
+    return mended
 
 
 def _part(usable: Mask | None, inside: slice | Mask) -> Mask | None:
