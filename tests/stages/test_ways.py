@@ -155,6 +155,29 @@ def test_a_run_without_noise_reduces_to_its_command(bench, n: int, profile) -> N
         assert float(row["final_angle_deg"]) == pytest.approx(float(row["nominal_deg"]), abs=1e-4)
 
 
+@pytest.mark.parametrize("stamp", [2**62, 2**63 - 1, 0])
+def test_a_wild_stamp_moves_no_result(bench, stamp: int) -> None:
+    """Whatever a wrong stamp says (the year 148 000; t = 0), the tables are those of a stamp wrong by 10 s: the
+    record is left out, and its bin stays where it is."""
+
+    def wild(time_us, pulse, counts, to=stamp):
+        time_us = time_us.copy()
+        time_us[3000] = to
+        return time_us, pulse, counts
+
+    def off(time_us, pulse, counts):
+        return wild(time_us, pulse, counts, int(time_us[3000]) + 10_000_000)
+
+    found = []
+    for one, spoil in ((bench, wild), (type(bench)(bench.root / "other"), off)):
+        reduced = one.reduce(one.run(spoil=spoil))
+        counts = {row["what"]: int(row["count"]) for row in reduced.table("quality")}
+        assert (counts["bad_stamp"], counts["lost"]) == (1, 1)
+        rows = [row for name in ("gyro_fit", "rate_fit", "drift", "unstable") for row in reduced.table(name)]
+        found.append([{key: value for key, value in row.items() if key != "version_id"} for row in rows])
+    assert found[0] == found[1]
+
+
 def test_an_edge_between_rates_is_no_instability(bench) -> None:
     """A bin that holds the edge scatters by half the step, thousands of times the noise."""
     assert bench.reduce(bench.run(profile=SEGMENTS)).table("unstable") == []

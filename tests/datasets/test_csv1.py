@@ -1,0 +1,137 @@
+"""csv-1: fields missing, lines lost, stamps wrong, and malformed lines with their numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fogreduce.datasets.readers import open_capture
+from fogreduce.datasets.readers.csv1 import CsvReader
+from fogreduce.errors import BadInput
+
+HEADER = "time_s,gyro1_V,gyro2_V"
+LINES = ["0.000000,0.1,-0.2", "0.500000,,1e-7", "1.000000,0.3,", "1.500000,-0.25,0.000012345678901234"]
+
+
+def write(path: Path, *lines: str, end: str = "\n") -> Path:
+    path.write_text("\n".join([HEADER, *lines]) + end)
+    return path
+
+
+@pytest.fixture
+def capture(tmp_path) -> Path:
+    return write(tmp_path / "capture.csv", *LINES)
+
+
+@pytest.mark.parametrize("size", [1, 3, 100])
+@pytest.mark.parametrize("end", ["\n", ""])
+@pytest.mark.parametrize("break_", ["\n", "\r\n"])
+def test_a_file_by_hand(tmp_path, size: int, end: str, break_: str) -> None:
+    """An empty field is no answer; the last line may lack its end; volts to the last bit."""
+    path = tmp_path / "capture.csv"
+    path.write_bytes((break_.join([HEADER, *LINES]) + end).encode())
+    reader = CsvReader(path, 2.0)
+    assert (reader.facts.n_gyros, reader.n_records, reader.torn_bytes) == (2, 4, 0)
+    blocks = list(reader.blocks(size))
+    np.testing.assert_array_equal(
+        np.concatenate([b.time_us for b in blocks]), [0, 500_000, 1_000_000, 1_500_000]
+    )
+    np.testing.assert_array_equal(np.concatenate([b.pulse for b in blocks]), [0, 1, 2, 3])
+    volts = np.concatenate([b.volts for b in blocks], axis=1)
+    expected = [[0.1, np.nan, 0.3, -0.25], [-0.2, 1e-7, np.nan, 0.000012345678901234]]
+    np.testing.assert_array_equal(volts, expected)
+    assert all(block.counts is None for block in blocks)
+
+
+def test_a_lost_line_leaves_a_hole(tmp_path) -> None:
+    path = write(tmp_path / "capture.csv", LINES[0], LINES[2], LINES[3])
+    assert next(iter(CsvReader(path, 2.0).blocks(10))).pulse.tolist() == [0, 2, 3]
+
+
+def test_whole_microseconds_at_a_rate_that_does_not_divide_them(tmp_path) -> None:
+    """64.0669 Hz, the real recording's: stamps rounded to microseconds give back every pulse number."""
+    rate = 64.06688502459477
+    pulses = np.arange(20_000)
+    lines = (f"{round(k / rate * 1e6) / 1e6:.6f},0,0" for k in pulses)
+    path = write(tmp_path / "capture.csv", *lines)
+    block = next(iter(CsvReader(path, rate).blocks(30_000)))
+    np.testing.assert_array_equal(block.pulse, pulses)
+    np.testing.assert_array_equal(block.time_us, np.rint(pulses / rate * 1e6))
+
+
+def test_a_time_far_ahead_keeps_its_place_among_the_pulses(tmp_path) -> None:
+    """So that it is found to be wrong, and those after it not to be late; one behind is a repeat, or late."""
+    times = np.arange(100) / 2
+    times[40] += 1000.0
+    times[70] = times[10]
+    path = write(tmp_path / "capture.csv", *(f"{t:.6f},0,0" for t in times))
+    block = next(iter(CsvReader(path, 2.0).blocks(1000)))
+    expected = np.arange(100)
+    expected[70] = 10
+    np.testing.assert_array_equal(block.pulse, expected)
+    assert block.time_us[40] == 1_020_000_000
+
+
+def test_a_torn_last_line_is_not_a_record(tmp_path) -> None:
+    path = write(tmp_path / "capture.csv", *LINES[:2], "1.000", end="")
+    reader = CsvReader(path, 2.0)
+    assert (reader.n_records, reader.torn_bytes) == (2, 5)
+    assert [block.pulse.size for block in reader.blocks(10)] == [2]
+    assert reader.place(reader.n_records) == "line 4"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "0.5,1",
+        "0.5,1,2,3",
+        "0.5,one,2",
+        ",1,2",
+        "0.5,nan,2",
+        "0.5,inf,2",
+        "nan,1,2",
+        "1e12,1,2",
+        "",
+        "0.5;1;2",
+        "0.5,1,0x10",
+    ],
+)
+@pytest.mark.parametrize("size", [1, 100])
+def test_a_malformed_line_is_named(tmp_path, line: str, size: int) -> None:
+    path = write(tmp_path / "capture.csv", LINES[0], line, *LINES[2:])
+    with pytest.raises(BadInput) as error:
+        list(CsvReader(path, 2.0).blocks(size))
+    (fault,) = error.value.faults
+    assert fault.where == "line 3"
+    assert "a time and 2 voltages" in fault.expected
+
+
+@pytest.mark.parametrize(
+    ("header", "where"),
+    [
+        ("", ""),
+        ("time_s\n", "line 1"),
+        ("time,gyro1_V\n", "line 1"),
+        ("time_s,gyro2_V,gyro1_V\n", "line 1"),
+        ("time_s,gyro1_V,gyro2_V\n", "line 2"),
+        ("FOGCAP1\n", "line 1"),
+    ],
+)
+def test_a_header_that_is_not_one(tmp_path, header: str, where: str) -> None:
+    path = tmp_path / "capture.csv"
+    path.write_text(header)
+    with pytest.raises(BadInput) as error:
+        open_capture(path, "csv-1", 2.0)
+    assert error.value.faults[0].where == where
+
+
+def test_bytes_that_are_no_text(tmp_path) -> None:
+    path = tmp_path / "capture.csv"
+    path.write_bytes(b"time_s,gyro1_V\n0.0,1.0\n0.5,\xff\xfe\n")
+    with pytest.raises(BadInput, match="line 3"):
+        list(CsvReader(path, 2.0).blocks(10))
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(BadInput, match="not UTF-8"):
+        CsvReader(path, 2.0)
