@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.datasets.atomic import TemporaryFile, naming
+from fogreduce.datasets.hold import signals_held
 from fogreduce.datasets.templates import Attributes, Variable
 from fogreduce.datasets.worker import Worker
 
@@ -74,12 +75,16 @@ class DatasetWriter:
 
     def __enter__(self) -> DatasetWriter:
         try:
-            self._disk = _NotingFile(self._target.path, "w+")
-            self._file = h5py.File(self._disk, "w", libver=("earliest", "v110"), track_order=True, **_ALIGNED)
-            self._lay_out()
+            with signals_held():
+                self._disk = _NotingFile(self._target.path, "w+")
+                self._file = h5py.File(
+                    self._disk, "w", libver=("earliest", "v110"), track_order=True, **_ALIGNED
+                )
+                self._lay_out()
+                if not self._storage.chunk_records:
+                    self._offsets = {name: self._file[name].id.get_offset() for name in self._variables}
+                    self._close_file()
             if not self._storage.chunk_records:
-                self._offsets = {name: self._file[name].id.get_offset() for name in self._variables}
-                self._close_file()
                 self._raw = _PlacedWriter(self._target)
         except OSError as error:
             self._target.finish(keep=False)
@@ -136,7 +141,8 @@ class DatasetWriter:
         variable = self._variables[name]
         values = np.ascontiguousarray(values, dtype=variable.dtype)
         if self._storage.chunk_records:
-            self._file[name][..., start : start + values.shape[-1]] = values
+            with signals_held():
+                self._file[name][..., start : start + values.shape[-1]] = values
             if self._disk.error is not None:
                 raise naming(self._disk.error, self._target.target)
             return
@@ -162,8 +168,9 @@ class DatasetWriter:
         self._target.finish(keep=kind is None)
 
     def _close_file(self) -> None:
-        self._file.close()
-        self._disk.close()
+        with signals_held():
+            self._file.close()
+            self._disk.close()
         if self._disk.error is not None:
             raise self._disk.error
 
