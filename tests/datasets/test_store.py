@@ -252,7 +252,8 @@ def small_files() -> None:
     "storage", ["{}", '{"chunk_records": 500}', '{"chunk_records": 500, "compression": "gzip"}']
 )
 def test_a_disk_that_is_full_leaves_no_dataset(bench, storage: str) -> None:
-    """The command says so in one line, without a traceback, and the datasets that did not fit do not appear."""
+    """The command says so in one line, without a traceback, and the datasets that did not fit do not
+    appear."""
     run = bench.run(profile=[(3.0, 200.0)])
     out = bench.root / "out"
     code = "from fogreduce.cli.main import console; console()"

@@ -157,8 +157,8 @@ def test_a_run_without_noise_reduces_to_its_command(bench, n: int, profile) -> N
 
 @pytest.mark.parametrize("stamp", [2**62, 2**63 - 1, 0])
 def test_a_wild_stamp_moves_no_result(bench, stamp: int) -> None:
-    """Whatever a wrong stamp says (the year 148 000; t = 0), the tables are those of a stamp wrong by 10 s: the
-    record is left out, and its bin stays where it is."""
+    """Whatever a wrong stamp says (the year 148 000; t = 0), the tables are those of a stamp wrong by 10
+    s: the record is left out, and its bin stays where it is."""
 
     def wild(time_us, pulse, counts, to=stamp):
         time_us = time_us.copy()
