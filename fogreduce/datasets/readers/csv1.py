@@ -88,7 +88,6 @@ class CsvReader:
                 dtype=np.float64,
                 chunksize=size,
                 nrows=self.n_records,
-                float_precision="round_trip",
                 keep_default_na=False,
                 na_values=[""],
                 skip_blank_lines=False,
