@@ -6,10 +6,9 @@ import argparse
 from pathlib import Path
 
 from fogreduce.errors import BadInput
+from fogreduce.figures import FORMATS
 
 HELP = "draw the figures of a reduced run (a node of the workflow)"
-
-_FORMATS = ("png", "svg")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--formats",
-        default=",".join(_FORMATS),
+        default=",".join(FORMATS),
         metavar="LIST",
         help="png, svg or both (default: %(default)s)",
     )
@@ -35,9 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Draw; what is left out, and why, on standard output."""
     formats = list(dict.fromkeys(arguments.formats.split(",")))
-    wrong = [name for name in formats if name not in _FORMATS]
+    wrong = [name for name in formats if name not in FORMATS]
     if wrong:
-        raise BadInput.at("--formats", "", found=wrong[0] or "nothing", expected=" or ".join(_FORMATS))
+        raise BadInput.at("--formats", "", found=wrong[0] or "nothing", expected=" or ".join(FORMATS))
     from fogreduce.cli.progress import progress
     from fogreduce.figures.catalogue import plan
     from fogreduce.figures.results import Results

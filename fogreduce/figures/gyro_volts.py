@@ -22,10 +22,7 @@ def draw(results: Results) -> Figure:
         parts.curves(results, name, lambda segment, item, time_s: fitted_curve(item, time_s))
         for name in gyros.names
     ]
-    ranges = [
-        bulk_range(gyros.lowest[k], gyros.highest[k], values, gyros.mean[k])
-        for k, (_, values) in enumerate(drawn)
-    ]
+    ranges = [bulk_range(gyros.lowest[k], gyros.highest[k], values) for k, (_, values) in enumerate(drawn)]
     answered = [bool(np.isfinite(mean).any()) for mean in gyros.mean]
     scale, unit = parts.volt_unit(float(np.max(np.abs(ranges)[answered], initial=0.0)))
     unstable = False

@@ -14,12 +14,11 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from fogreduce.datasets.atomic import whole_file, write_text
+from fogreduce.figures import FORMATS
 from fogreduce.figures.catalogue import Plan
 from fogreduce.figures.style import Identity, style
 
-FORMATS = ("png", "svg")
 INDEX = "index.json"
-
 
 _NO_METADATA: dict[str, dict[str, None]] = {
     "png": {"Software": None},

@@ -75,8 +75,10 @@ _Y_LABEL, _X_LABEL = 0.82, 0.30  # from the axes to the middle of their labels
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Matplotlib's settings while figures are drawn and saved."""
-    with matplotlib.rc_context(_RC):
+    """Matplotlib's settings while figures are drawn and saved, whatever a user's own settings are."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_RC)
         yield
 
 

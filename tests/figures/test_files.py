@@ -100,3 +100,15 @@ def test_parts_of_another_version(out, capsys):
 def test_missing_log(campaign, out, capsys, tmp_path):
     assert main(["figures", "--out", str(out), "--run", str(tmp_path)]) == 2
     assert "temperature.csv" in capsys.readouterr().err
+
+
+def test_a_users_own_settings_change_nothing(campaign, tmp_path):
+    import matplotlib
+
+    out = tmp_path / "one"
+    shutil.copytree(campaign / "results" / "one", out)
+    assert main(["figures", "--out", str(out), "--formats", "svg"]) == 0
+    first = (out / "figures" / "flags.svg").read_bytes()
+    with matplotlib.rc_context({"font.size": 20, "axes.facecolor": "black", "ytick.right": True}):
+        assert main(["figures", "--out", str(out), "--formats", "svg"]) == 0
+    assert (out / "figures" / "flags.svg").read_bytes() == first
