@@ -20,6 +20,7 @@ COMMANDS = {
     "init": ("init", "start a run.yaml from a capture"),
     "reduce": ("reduce", "reduce one run, all stages in one process"),
     "simulate": ("simulate", "predict the captures of a campaign"),
+    "diagnose": ("diagnose", "say where, why and how far a campaign departs from its prediction"),
     "manifest": ("manifest", "write the manifest of a run (a node of the workflow)"),
     "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
     "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),
@@ -27,6 +28,7 @@ COMMANDS = {
     "checksums": ("checksums", "take the checksums of a run's results and keep that version (a node)"),
     "archive": ("archive", "archive reduced campaigns: a BagIt bag each, with all that is needed to redo it"),
     "verify": ("verify", "verify an archive: every byte, completeness, and that its records agree"),
+    "trace": ("trace", "trace one cell of a table back to the bytes that it came from"),
     "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
 }
 

@@ -22,3 +22,9 @@ def archived(tmp_path_factory):
 def bag(archived, tmp_path):
     """A copy of the bag, to be spoilt."""
     return archived.copy(tmp_path / "bag")
+
+
+@pytest.fixture(scope="session")
+def repository_root():
+    """The repository."""
+    return Path(__file__).resolve().parents[2]

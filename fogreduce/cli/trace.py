@@ -1,0 +1,62 @@
+"""``fogreduce trace BAG|RESULTS drift.csv:x:drift_deg_h``: where one number comes from."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "trace one cell of a table back to the bytes that it came from"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("place", type=Path, metavar="BAG|RESULTS", help="a bag, or a folder of results")
+    parser.add_argument(
+        "cell",
+        metavar="CELL",
+        help="[run:]table.csv:row[@segment]:column, for instance 1-x-plus:drift.csv:x:drift_deg_h",
+    )
+    parser.add_argument(
+        "--format",
+        choices=("text", "json", "prov"),
+        default="text",
+        help="text, json, or prov (PROV-JSON) (default: %(default)s)",
+    )
+    add_places(parser)
+
+
+def add_places(parser: argparse.ArgumentParser) -> None:
+    """Options that say where the inputs of results lie; a bag has its own."""
+    parser.add_argument(
+        "--campaigns", type=Path, default=Path("campaigns"), metavar="DIR", help="folder of the campaigns"
+    )
+    parser.add_argument(
+        "--calibrations",
+        type=Path,
+        default=Path("calibrations"),
+        metavar="DIR",
+        help="folder of the calibration records",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the chain; every input, the record, the manifest and the table are hashed on the way."""
+    from fogreduce.archive.cell import CellName
+    from fogreduce.archive.places import one_run, run_places
+    from fogreduce.archive.trace import trace
+    from fogreduce.archive.trace_text import trace_text
+
+    name = CellName.parse(arguments.cell)
+    places = run_places(arguments.place, arguments.campaigns, arguments.calibrations)
+    found = trace(one_run(places, name.run, arguments.place), name)
+    if arguments.format == "text":
+        print(trace_text(found), end="")
+        return 0
+    import json
+
+    if arguments.format == "prov":
+        from fogreduce.archive.prov import prov
+
+        found = prov(found)
+    print(json.dumps(found, indent=1, ensure_ascii=False))
+    return 0
