@@ -179,7 +179,7 @@ def test_a_wild_stamp_moves_no_result(bench, stamp: int) -> None:
 
 
 def test_an_edge_between_rates_is_no_instability(bench) -> None:
-    """A bin that holds the edge (at 40.03 s, within one) scatters by the step, thousands of times the noise."""
+    """A bin that holds the edge (here 40.03 s) scatters by the step, thousands of times the noise."""
     run = bench.run(profile=[(3.0, 40.03), (-6.0, 30.0), (0.0, 30.0)])
     assert bench.reduce(run).table("unstable") == []
 
