@@ -1,4 +1,4 @@
-"""``snakemake --lint``, its wish for a software environment per rule aside: all rules share one environment."""
+"""``snakemake --lint``, its wish for a software environment per rule aside: all rules share one."""
 
 from __future__ import annotations
 

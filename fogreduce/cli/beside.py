@@ -36,7 +36,7 @@ def beside(function: Callable[[], Result]) -> Callable[[], Result]:
             return function()
         good, value = pickle.loads(answer)
         if good:
-            return value  # type: ignore[no-any-return]
+            return value
         raise value
 
     return result

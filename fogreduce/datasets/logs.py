@@ -36,7 +36,7 @@ class TemperatureLog:
 
 @dataclass(frozen=True)
 class TableLog:
-    """The table's encoder: time since the run's start [s], angle turned about the table's axis [deg], (k,)."""
+    """The table's encoder: time since the run's start [s], angle turned about the axis [deg], (k,)."""
 
     time_s: Array
     angle_deg: Array

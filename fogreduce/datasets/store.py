@@ -213,7 +213,7 @@ class _PlacedWriter:
         self._worker = Worker(self._MOST_WAITING)
 
     def put(self, offset: int, values: NDArray[Any]) -> None:
-        self._worker.do(lambda: self._write(offset, memoryview(values).cast("B")))
+        self._worker.do(lambda: self._write(offset, memoryview(values.data).cast("B")))
 
     def _write(self, offset: int, view: memoryview) -> None:
         try:

@@ -28,16 +28,16 @@ class Variable:
     attributes: Attributes = field(default_factory=dict)
 
 
-def time_variable(facts: RunFacts) -> Variable:
-    """The time stamps, as int64 microseconds that CF readers turn into exact datetimes."""
+def time_variable(facts: RunFacts, dim: str = "time", of: str = "record") -> Variable:
+    """Time stamps along `dim`, as int64 microseconds that CF readers turn into exact datetimes."""
     start = instant_of(facts.start_us).replace(tzinfo=None).isoformat(sep=" ", timespec="microseconds")
     return Variable(
-        "time",
-        ("time",),
+        dim,
+        (dim,),
         "<i8",
         {
             "standard_name": "time",
-            "long_name": "time stamp of the record",
+            "long_name": f"time stamp of the {of}",
             "units": f"microseconds since {start}",
             "calendar": "proleptic_gregorian",
         },
@@ -71,6 +71,24 @@ def ingest_variables(facts: RunFacts, *, has_counts: bool) -> list[Variable]:
         volts = Variable("volts", ("gyro", "time"), "<f8", described)
     pulse = Variable("pulse", ("time",), "<u4", {"long_name": "number of the stimulus pulse", "units": "1"})
     return [time_variable(facts), pulse, volts, RECORD_FLAG, GYRO_FLAG]
+
+
+def log_variables(facts: RunFacts, logs: Mapping[str, object]) -> list[Variable]:
+    """Temperatures and encoder angle beside the capture, as logged; those of the names in `logs`."""
+    described = {
+        "electronics_temperature": ("temperature_time", "temperature of the electronics", "degree_Celsius"),
+        "sensor_temperature": ("temperature_time", "temperature of the sensors", "degree_Celsius"),
+        "table_angle": ("table_time", "angle turned about the table's axis, by its encoder", "degree"),
+    }
+    variables = [
+        time_variable(facts, dim, "log's row") for dim in ("temperature_time", "table_time") if dim in logs
+    ]
+    variables += [
+        Variable(name, (dim,), "<f8", {"long_name": long_name, "units": units})
+        for name, (dim, long_name, units) in described.items()
+        if name in logs
+    ]
+    return variables
 
 
 def calibrate_variables(facts: RunFacts) -> list[Variable]:

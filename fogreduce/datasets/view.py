@@ -48,6 +48,9 @@ def open_run(path: str | os.PathLike[str]) -> xr.Dataset:
         ``axis_rate``            (axis, time)   degree s-1 the same, Earth's rate taken away (eq. 6)
         ======================== ============== ========== ==================================================
 
+        and, where they were logged, ``electronics_temperature`` and ``sensor_temperature`` along
+        ``temperature_time``, ``table_angle`` along ``table_time``.
+
         A unit of one or two gyros has no ``axis_rate`` and no ``axis_rate_with_earth``. ``time`` is UTC,
         exact to the microsecond, as stamped; a stamp that no calendar holds is NaT (its record is flagged
         ``bad_stamp``). Attributes are those of the datasets: version id, unit, calibration and so on.
@@ -110,7 +113,9 @@ def _merged(parts: dict[str, xr.Dataset]) -> xr.Dataset:
                 coordinates.setdefault(str(name), variable)
             else:
                 variables.setdefault(names.get(str(name), str(name)), variable)
-    coordinates["time"] = _decoded(coordinates["time"])
+    for name in ("time", "temperature_time", "table_time"):
+        if name in coordinates:
+            coordinates[name] = _decoded(coordinates[name])
     attributes = {key: value for key, value in parts["remove_earth"].attrs.items() if key != "left_out"}
     view = xr.Dataset(variables, coordinates, attributes)
     view.set_close(lambda: _close(parts))

@@ -9,7 +9,7 @@ from types import TracebackType
 
 
 class Worker:
-    """Calls in order, in a thread of their own; the first error ends them and is raised in the giver's thread.
+    """Calls in order, in a thread of their own; the first error ends them and is raised for the giver.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Standard errors that allow for coloured residuals: the Allan variance of what a fit leaves, and what it implies.
+"""Standard errors that allow for coloured residuals, from the Allan variance of what a fit leaves.
 
 The residual's bins are described by white noise, flicker and a random walk (IEEE 952) fitted to their Allan
 variance; the covariance of the least-squares curve under that noise follows by the sandwich rule. It

@@ -2,7 +2,8 @@
 
 With c held, the curve is linear in ``theta = (a, p, q, e)``, ``p = b sin d`` and ``q = b cos d``:
 ``m = a + p cos(c t) + q sin(c t) + e t``, t from the run's start. The sums are formed in one pass over
-the stream, in a basis that is orthonormal over the segment beforehand, so that normal equations lose no digits.
+the stream, in a basis that is orthonormal over the segment beforehand, so that normal equations lose no
+digits.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ HARDEST = 1e9
 
 
 def curve(time_s: Array, theta: Array) -> Array:
-    """The mean curve at times [s]; `theta` = (a, p, q, e) and c as its fifth element, see module docstring."""
+    """The mean curve at times [s]; `theta` = (a, p, q, e, c), see the module's docstring."""
     a, p, q, e, c = theta
     phase = c * time_s
     return a + p * np.cos(phase) + q * np.sin(phase) + e * time_s
@@ -34,7 +35,7 @@ def curve_integral(time_s: Array, theta: Array) -> Array:
 
 
 def integral_terms(time_s: Array, rate_rad_s: float) -> Array:
-    """Integrals from 0 to t of 1, cos(c t), sin(c t) and t, (4, N): `curve_integral` is their sum with theta."""
+    """Integrals from 0 to t of 1, cos(c t), sin(c t), t: (4, N); `curve_integral` weights them by theta."""
     time_s = np.atleast_1d(time_s)
     if rate_rad_s == 0:
         return np.array([time_s, time_s, np.zeros_like(time_s), time_s**2 / 2])
@@ -80,7 +81,7 @@ class CurveBasis:
             triangle = np.linalg.qr(_raw(grid, middle, half, rate, has_sine).T, mode="r")
         whiten = np.linalg.inv(triangle).T * np.sqrt(_GRID)
         cosine, sine = math.cos(rate * middle), math.sin(rate * middle)
-        # raw -> theta: u = (t - middle) / half; cos(c (t - m)) and sin(c (t - m)) opened by the addition theorem
+        # raw -> theta: u = (t - middle) / half; cosine and sine of c (t - middle) by the addition theorem
         raw_to_theta = np.array(
             [
                 [1.0, -middle / half, 0.0, 0.0],
@@ -143,12 +144,12 @@ class CurveFit:
 
     @property
     def with_rate(self) -> Array:
-        """theta with c as fifth element, as `curve` takes it."""
+        """Theta with c as fifth element, as `curve` takes it."""
         return np.append(self.theta, self.rate_rad_s)
 
 
 def amplitude_and_phase(theta: Array, covariance: Array) -> tuple[float, float, float, float]:
-    """b >= 0, its standard error, d in (-pi, pi] and its standard error, from p = b sin d, q = b cos d."""
+    """From p = b sin d, q = b cos d: b >= 0, its standard error, d in (-pi, pi] and its standard error."""
     p, q = theta[1], theta[2]
     b, d = math.hypot(p, q), math.atan2(p, q)
     if d == -math.pi:

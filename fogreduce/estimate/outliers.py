@@ -10,10 +10,12 @@ and passes too.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-Values = NDArray[np.float64] | NDArray[np.int32]
+Values = NDArray[Any]  # counts (int32) or volts (float64)
 Flags = NDArray[np.bool_]
 
 _PIECE = 128  # samples that are searched together, with as many on each side

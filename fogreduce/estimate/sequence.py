@@ -7,6 +7,7 @@ time; one that comes late, into a hole, is used and flagged. State grows with fa
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +48,11 @@ class SequenceCheck:
         good = flags == 0
         if int(pulse.max()) >= self.n_expected:
             flags[(pulse >= self.n_expected) & good] |= np.uint8(RecordFlag.BEYOND_PROFILE)
-        if good.all() and pulse[0] == self.highest + 1 and pulse[-1] - pulse[0] == pulse.size - 1:
-            if bool((np.diff(pulse) == 1).all()):
-                self.highest = int(pulse[-1])
-                self._count(pulse)
-                return flags
-        self._order(pulse, good, flags)
+        if good.all() and pulse[0] == self.highest + 1 and bool((np.diff(pulse) == 1).all()):
+            self.highest = int(pulse[-1])
+            self._count(pulse)
+        else:
+            self._order(pulse, good, flags)
         return flags
 
     def _bad_stamps(self, time_us: Integers, pulse: Integers) -> NDArray[np.uint8]:
@@ -106,7 +106,7 @@ class SequenceCheck:
         found = []
         for start, stop in zip(self._hole_start.tolist(), self._hole_stop.tolist(), strict=True):
             edges = [start - 1, *self._filled[(self._filled >= start) & (self._filled < stop)].tolist(), stop]
-            for low, high in zip(edges, edges[1:], strict=False):
+            for low, high in pairwise(edges):
                 if high - low > 1:
                     found.append((low + 1, high - low - 1))
         if self.highest + 1 < self.n_expected:

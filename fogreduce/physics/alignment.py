@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 def gyro_axes(projection: Array) -> Array:
     """Directions of the gyro axes, G (n x 3) = pseudo-inverse of H (3 x n)."""
-    return np.linalg.pinv(projection)
+    return np.linalg.pinv(projection).astype(np.float64)
 
 
 def gyro_rates_from_axis_rates(axis_rates: Array, axes: Array) -> Array:

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 def earth_rate_enu(latitude_deg: float) -> Array:
-    """Earth's rate in local east-north-up [deg/s]: ``(0, W cos(lat), W sin(lat))``; latitude north positive."""
+    """Earth's rate in east-north-up [deg/s]: ``(0, W cos(lat), W sin(lat))``; latitude north positive."""
     latitude = np.radians(latitude_deg)
     return EARTH_RATE_DEG_S * np.array([0.0, np.cos(latitude), np.sin(latitude)])
 

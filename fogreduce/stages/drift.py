@@ -75,10 +75,7 @@ def drift_rows(
         duration = segment["stop_s"] - segment["start_s"]
         for sign, axis in zip(facts.commanded_signs.tolist(), axes, strict=False):
             nominal = sign * segment["rate_deg_s"] * duration
-            if axis in found:
-                parts = accumulated_error(segment, found[axis])
-            else:
-                parts = (math.nan,) * 3
+            parts = accumulated_error(segment, found[axis]) if axis in found else (math.nan,) * 3
             whole[axis].append((nominal, *parts))
             rows.append(_row(axis, duration, nominal, *parts, segment["segment"], version_id))
     if len(fits["segments"]) > 1:

@@ -10,9 +10,9 @@ from fogreduce.stages.setup import Setup
 from fogreduce.stages.tables import write_table
 
 COLUMNS = (
-    "segment,commanded_deg_s,rate_deg_s,rate_err_deg_s,lag_s,lag_err_s,ripple_deg,ripple_harmonic,"
-    "scatter_deg,rows,version_id"
-).split(",")
+    *("segment", "commanded_deg_s", "rate_deg_s", "rate_err_deg_s", "lag_s", "lag_err_s"),
+    *("ripple_deg", "ripple_harmonic", "scatter_deg", "rows", "version_id"),
+)
 
 
 def write_encoder_table(setup: Setup, run_dir: Path) -> None:

@@ -18,22 +18,33 @@ from fogreduce.datasets.block import Block
 from fogreduce.datasets.store import DatasetWriter
 from fogreduce.errors import BadInput
 from fogreduce.estimate.bins import Bins
-from fogreduce.stages.setup import Setup
+from fogreduce.stages.setup import Setup, microseconds
 
 Array = NDArray[np.float64]
 
+#: Variables of the logs beside a capture, see `templates.log_variables`.
+Logs = Mapping[str, NDArray[Any]]
 
-def open_writer(setup: Setup, stage: str, n_records: int, *, has_counts: bool = True) -> DatasetWriter:
-    """The dataset of a stage, to be written block by block."""
+
+def open_ingest_writer(setup: Setup, n_records: int, has_counts: bool, logs: Logs) -> DatasetWriter:
+    """The dataset of ingest, to be written block by block, and the logs beside the capture with it."""
+    facts = setup.facts
+    sizes = {"time": n_records, "gyro": facts.n_gyros}
+    sizes |= {name: values.size for name, values in logs.items() if name.endswith("_time")}
+    variables = templates.ingest_variables(facts, has_counts=has_counts)
+    variables += templates.log_variables(facts, logs)
+    return DatasetWriter(
+        setup.dataset("ingest"), sizes, {"gyro": setup.gyros}, variables, setup.attributes, setup.storage
+    )
+
+
+def open_writer(setup: Setup, stage: str, n_records: int) -> DatasetWriter:
+    """The dataset of a stage after ingest, to be written block by block."""
     facts = setup.facts
     sizes, coordinates = {"time": n_records}, {}
-    if stage in ("ingest", "calibrate"):
+    if stage == "calibrate":
         sizes["gyro"], coordinates["gyro"] = facts.n_gyros, setup.gyros
-        variables = (
-            templates.ingest_variables(facts, has_counts=has_counts)
-            if stage == "ingest"
-            else templates.calibrate_variables(facts)
-        )
+        variables = templates.calibrate_variables(facts)
     else:
         make = templates.project_variables if stage == "project" else templates.remove_earth_variables
         variables = make(facts)
@@ -45,6 +56,12 @@ def open_writer(setup: Setup, stage: str, n_records: int, *, has_counts: bool = 
     if not setup.axes and stage in ("project", "remove_earth"):
         attributes["left_out"] = "axis_rate: a unit of one or two gyros gives no x, y, z"
     return DatasetWriter(setup.dataset(stage), sizes, coordinates, variables, attributes, setup.storage)
+
+
+def write_logs(writer: DatasetWriter, logs: Logs) -> None:
+    """The logs beside the capture, whole."""
+    for name, values in logs.items():
+        writer.write(name, 0, values)
 
 
 def write_ingest(writer: DatasetWriter, block: Block) -> None:
@@ -145,7 +162,7 @@ def write_bins(setup: Setup, bins: Bins) -> None:
         families.append(("axis_rate", "axis", "degree s-1", slice(n, n + 3)))
         sizes["axis"], coordinates["axis"] = 3, setup.axes
     time = templates.time_variable(setup.facts)
-    variables, values = [time], {"time": np.rint(bins.time_s * 1e6).astype(np.int64)}
+    variables, values = [time], {"time": microseconds(bins.time_s)}
     for name, dim, units, part in families:
         for kind, long_name in _BIN_KINDS.items():
             attributes = {"long_name": f"{long_name}, {name}", "units": "1" if kind == "count" else units}

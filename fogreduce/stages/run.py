@@ -6,15 +6,18 @@ Both ways hand the same blocks to the same functions in the same order, so their
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
+
+from numpy.typing import NDArray
 
 from fogreduce.datasets.block import Block
 from fogreduce.datasets.logs import read_table_log, read_temperature
 from fogreduce.datasets.readers import Reader, open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.store import DatasetWriter
 from fogreduce.datasets.worker import Worker
 from fogreduce.errors import BadInput, Fault
 from fogreduce.physics.quantization import volts_from_counts
@@ -23,7 +26,9 @@ from fogreduce.stages import encoder as encoder_stage
 from fogreduce.stages import tables
 from fogreduce.stages.calibrate import calibrate
 from fogreduce.stages.files import (
+    Logs,
     StageDataset,
+    open_ingest_writer,
     open_writer,
     read_report,
     write_axis_rates,
@@ -31,12 +36,13 @@ from fogreduce.stages.files import (
     write_gyro_rates,
     write_ingest,
     write_json,
+    write_logs,
 )
 from fogreduce.stages.fit import Fit, as_plain
 from fogreduce.stages.ingest import Ingest
 from fogreduce.stages.project import project
 from fogreduce.stages.remove_earth import remove_earth
-from fogreduce.stages.setup import Setup, TableAngle, seconds
+from fogreduce.stages.setup import Setup, TableAngle, microseconds, seconds
 
 Progress = Callable[[int], None]
 
@@ -51,10 +57,10 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records:
     ingest = Ingest(facts, setup.parameters["outliers"]["threshold_sigma"])
     fit = _fit(setup, reader.n_records)
     with ExitStack() as stack:
-        has_counts = reader.facts.volts_per_count is not None
-        raw, gyro, axis, table = (
-            stack.enter_context(open_writer(setup, stage, reader.n_records, has_counts=has_counts))
-            for stage in ("ingest", "calibrate", "project", "remove_earth")
+        raw = stack.enter_context(_ingest_writer(setup, run_dir, reader))
+        gyro, axis, table = (
+            stack.enter_context(open_writer(setup, stage, reader.n_records))
+            for stage in ("calibrate", "project", "remove_earth")
         )
         # The fit goes on in a thread of its own while the next block is read, judged and projected.
         fitting = stack.enter_context(Worker(_BLOCKS_AHEAD))
@@ -80,8 +86,7 @@ def run_ingest(setup: Setup, run_dir: Path) -> None:
     """Stage 1: the capture's records, judged and flagged."""
     reader = _open_capture(setup, run_dir)
     ingest = Ingest(setup.facts, setup.parameters["outliers"]["threshold_sigma"])
-    has_counts = reader.facts.volts_per_count is not None
-    with open_writer(setup, "ingest", reader.n_records, has_counts=has_counts) as writer:
+    with _ingest_writer(setup, run_dir, reader) as writer:
         for block in ingest.blocks(reader, setup.block_records):
             write_ingest(writer, block)
     _finish_ingest(setup, run_dir, ingest, reader)
@@ -89,32 +94,38 @@ def run_ingest(setup: Setup, run_dir: Path) -> None:
 
 def run_calibrate(setup: Setup) -> None:
     """Stage 2: raw volts to rates about the gyros' axes."""
-    with StageDataset(setup, "ingest") as source:
-        with open_writer(setup, "calibrate", source.n_records) as writer:
-            for block in _ingested(setup, source):
-                write_gyro_rates(writer, block, calibrate(setup.facts, block.volts))
+    with (
+        StageDataset(setup, "ingest") as source,
+        open_writer(setup, "calibrate", source.n_records) as writer,
+    ):
+        for block in _ingested(setup, source):
+            write_gyro_rates(writer, block, calibrate(setup.facts, block.volts))
 
 
 def run_project(setup: Setup) -> None:
     """Stage 3: rates about the gyros' axes to rates about x, y, z."""
-    with StageDataset(setup, "calibrate") as source:
-        with open_writer(setup, "project", source.n_records) as writer:
-            for start, part in source.blocks(("time", "gyro_rate", "flag")):
-                rates = project(setup.facts, part["gyro_rate"]) if setup.axes else None
-                write_axis_rates(writer, start, part["time"], part["flag"], rates)
+    with (
+        StageDataset(setup, "calibrate") as source,
+        open_writer(setup, "project", source.n_records) as writer,
+    ):
+        for start, part in source.blocks(("time", "gyro_rate", "flag")):
+            rates = project(setup.facts, part["gyro_rate"]) if setup.axes else None
+            write_axis_rates(writer, start, part["time"], part["flag"], rates)
 
 
 def run_remove_earth(setup: Setup, run_dir: Path | None = None) -> None:
     """Stage 4: Earth's rate taken away; `run_dir` is read only where alpha comes from the encoder."""
     angle = TableAngle(setup, run_dir)
-    with StageDataset(setup, "project") as source:
-        with open_writer(setup, "remove_earth", source.n_records) as writer:
-            names = ("time", "axis_rate", "flag") if setup.axes else ("time", "flag")
-            for start, part in source.blocks(names):
-                rates = None
-                if setup.axes:
-                    rates = remove_earth(setup.facts, angle, seconds(part["time"]), part["axis_rate"])
-                write_axis_rates(writer, start, part["time"], part["flag"], rates)
+    with (
+        StageDataset(setup, "project") as source,
+        open_writer(setup, "remove_earth", source.n_records) as writer,
+    ):
+        names = ("time", "axis_rate", "flag") if setup.axes else ("time", "flag")
+        for start, part in source.blocks(names):
+            rates = None
+            if setup.axes:
+                rates = remove_earth(setup.facts, angle, seconds(part["time"]), part["axis_rate"])
+            write_axis_rates(writer, start, part["time"], part["flag"], rates)
 
 
 def run_fit(setup: Setup) -> None:
@@ -139,7 +150,7 @@ def run_drift(setup: Setup) -> None:
 
 
 def _open_capture(setup: Setup, run_dir: Path) -> Reader:
-    """The capture, held against run.yaml and the manifest; the logs beside it are read too, line by line."""
+    """The capture, held against run.yaml and the manifest."""
     run = setup.manifest["run"]
     path = run_dir / run["capture"]["file"]
     reader = open_capture(path, run["capture"]["format"], setup.facts.sample_rate_hz)
@@ -147,23 +158,53 @@ def _open_capture(setup: Setup, run_dir: Path) -> Reader:
     stated = next(item["bytes"] for item in setup.manifest["inputs"] if item["name"] == path.name)
     if (size := path.stat().st_size) != stated:
         faults.append(Fault(str(path), "", f"{size} bytes", f"{stated}, as the manifest has it"))
-    for key, read in (("temperature", read_temperature), ("table_log", read_table_log)):
-        if run.get(key) is not None:
-            try:
-                read(run_dir / run[key])
-            except BadInput as error:
-                faults += error.faults
     if faults:
         raise BadInput(*faults)
     return reader
+
+
+@contextmanager
+def _ingest_writer(setup: Setup, run_dir: Path, reader: Reader) -> Iterator[DatasetWriter]:
+    """The dataset of ingest, the logs already in it."""
+    logs = _read_logs(setup, run_dir)
+    has_counts = reader.facts.volts_per_count is not None
+    with open_ingest_writer(setup, reader.n_records, has_counts, logs) as writer:
+        write_logs(writer, logs)
+        yield writer
+
+
+def _read_logs(setup: Setup, run_dir: Path) -> Logs:
+    """The logs beside the capture, checked line by line."""
+    run = setup.manifest["run"]
+    logs: dict[str, NDArray[Any]] = {}
+    faults: list[Fault] = []
+    try:
+        if run.get("temperature") is not None:
+            temperature = read_temperature(run_dir / run["temperature"])
+            logs["temperature_time"] = microseconds(temperature.time_s)
+            logs["electronics_temperature"] = temperature.electronics_degC
+            logs["sensor_temperature"] = temperature.sensor_degC
+    except BadInput as error:
+        faults += error.faults
+    try:
+        if run.get("table_log") is not None:
+            table = read_table_log(run_dir / run["table_log"])
+            logs["table_time"] = microseconds(table.time_s)
+            logs["table_angle"] = table.angle_deg
+    except BadInput as error:
+        faults += error.faults
+    if faults:
+        raise BadInput(*faults)
+    return logs
 
 
 def _ingested(setup: Setup, source: StageDataset) -> Iterator[Block]:
     """The blocks that ingest wrote."""
     has_counts = source.has_counts()
     for start, part in source.blocks(("time", "pulse", "volts", "flag", "gyro_flag")):
-        counts = part["volts"] if has_counts else None
-        volts = volts_from_counts(counts, setup.facts.volts_per_count) if has_counts else part["volts"]
+        held = part["volts"]
+        volts = volts_from_counts(held, setup.facts.volts_per_count) if has_counts else held
+        counts = held if has_counts else None
         yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, volts)
 
 

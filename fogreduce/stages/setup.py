@@ -156,3 +156,8 @@ class TableAngle:
 def seconds(time_us: NDArray[np.int64]) -> Array:
     """Stamps [us] as seconds since the run's start."""
     return time_us / MICROSECONDS_PER_SECOND
+
+
+def microseconds(time_s: Array) -> NDArray[np.int64]:
+    """Seconds since the run's start as whole microseconds, rounded."""
+    return np.rint(time_s * MICROSECONDS_PER_SECOND).astype(np.int64)

@@ -1,4 +1,4 @@
-"""The workflow as its user meets it: a small campaign through Snakemake, with a run that cannot be reduced."""
+"""The workflow as its user meets it: small campaigns through Snakemake, one run of them spoilt."""
 
 import csv
 import json
@@ -49,8 +49,11 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
             (folder / "run.yaml").write_text(RUN_YAML.format(run_id=run_id, profile=profile))
     (place / "campaigns" / "made" / "campaign.yaml").write_text("captures_from: {simulate: {seed: 5}}\n")
     subprocess.run(
-        [FOGREDUCE, "simulate", place / "campaigns" / "plan", "--calibrations", ROOT / "calibrations"]
-        + ["--out", place / "campaigns" / "lab", "--seed", "1"],
+        [
+            *(FOGREDUCE, "simulate", place / "campaigns" / "plan"),
+            *("--calibrations", ROOT / "calibrations"),
+            *("--out", place / "campaigns" / "lab", "--seed", "1"),
+        ],
         check=True,
         capture_output=True,
     )
@@ -99,8 +102,10 @@ def test_tables_are_those_of_reduce_to_the_byte(
     for run in ("a-steady", "b-steps"):
         out = tmp_path / run
         subprocess.run(
-            [FOGREDUCE, "reduce", place / "campaigns/lab/runs" / run, "--calibrations", ROOT / "calibrations"]
-            + ["--out", out],
+            [
+                *(FOGREDUCE, "reduce", place / "campaigns/lab/runs" / run),
+                *("--calibrations", ROOT / "calibrations", "--out", out),
+            ],
             check=True,
         )
         tables = sorted((out / "tables").iterdir())

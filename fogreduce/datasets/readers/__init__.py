@@ -1,7 +1,7 @@
 """Readers of raw captures: one small file a format, and the table that lists them.
 
-A reader is a class made from a path and the sample rate of run.yaml, with `facts` (CaptureFacts), `n_records`, `torn_bytes`,
-`place(record)` and `blocks(size)`. See docs/adding-a-reader.md.
+A reader is a class made from a path and the sample rate of run.yaml, with `facts` (CaptureFacts),
+`n_records`, `torn_bytes`, `place(record)` and `blocks(size)`. See docs/adding-a-reader.md.
 """
 
 from __future__ import annotations
