@@ -23,6 +23,8 @@ from fogreduce.errors import BadInput
 DECLARATION = "BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
 PAYLOAD_MANIFEST = "manifest-sha256.txt"
 TAG_MANIFEST = "tagmanifest-sha256.txt"
+#: How much of its digest a bag's name has, where it has any.
+NAME_DIGITS = 12
 _CHUNK = 1 << 20
 
 Progress = Callable[[int], None]
@@ -37,10 +39,16 @@ class BagWriter:
         The bag's folder, which must not exist.
     progress : callable
         Told how many bytes are written.
+    by_digest : bool
+        Add a dash and the first twelve digits of the tag manifest's SHA-256 to the folder's name. Such a
+        bag may be there already: then it is these bytes, and it stays.
     """
 
-    def __init__(self, target: Path, progress: Progress = lambda done: None) -> None:
+    def __init__(
+        self, target: Path, progress: Progress = lambda done: None, *, by_digest: bool = False
+    ) -> None:
         self.target = target
+        self._by_digest = by_digest
         self.hashes: dict[str, str] = {}
         self.sizes: dict[str, int] = {}
         self._progress = progress
@@ -48,8 +56,8 @@ class BagWriter:
         self._at = target.with_name(f".{target.name}.{os.getpid()}.tmp")
 
     def __enter__(self) -> BagWriter:
-        if os.path.lexists(self.target):
-            raise BadInput.at(self.target, "", found="something there already", expected="a new name")
+        if not self._by_digest:
+            self._must_be_new()
         self.target.parent.mkdir(parents=True, exist_ok=True)
         _sweep(self.target)
         (self._at / "data").mkdir(parents=True)
@@ -108,9 +116,20 @@ class BagWriter:
         last = "".join(f"{sha256(tags[name].encode()).hexdigest()}  {name}\n" for name in sorted(tags))
         self._write(self._at / TAG_MANIFEST, last.encode())
         sync(self._at)
+        digest = sha256(last.encode()).hexdigest()
+        if self._by_digest:
+            self.target = self.target.with_name(f"{self.target.name}-{digest[:NAME_DIGITS]}")
+            if (self.target / TAG_MANIFEST).is_file() and (self.target / TAG_MANIFEST).read_text() == last:
+                shutil.rmtree(self._at)
+                return digest
+            self._must_be_new()
         self._at.rename(self.target)
         sync(self.target.parent)
-        return sha256(last.encode()).hexdigest()
+        return digest
+
+    def _must_be_new(self) -> None:
+        if os.path.lexists(self.target):
+            raise BadInput.at(self.target, "", found="something there already", expected="a new name")
 
     def _place(self, path: str) -> Path:
         target = self._at / "data" / path

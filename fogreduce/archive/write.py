@@ -20,8 +20,16 @@ RECORD_SCHEMA = "fogreduce/archive/1"
 _PACKAGE = "software/fogreduce/"
 
 
-def write_bag(contents: Contents, target: Path, progress: Callable[[int], None] = lambda done: None) -> str:
-    """Write the bag of a campaign; returns the SHA-256 of its tag manifest.
+def write_bag(
+    contents: Contents,
+    target: Path,
+    progress: Callable[[int], None] = lambda done: None,
+    *,
+    by_digest: bool = False,
+) -> tuple[str, Path]:
+    """Write the bag of a campaign; returns the SHA-256 of its tag manifest, and the bag's folder.
+
+    The parameters are those of `fogreduce.archive.bag.BagWriter`.
 
     Raises
     ------
@@ -29,7 +37,7 @@ def write_bag(contents: Contents, target: Path, progress: Callable[[int], None] 
         The bag is there already; a file is not what the records say; the source is not the code that the
         results come from.
     """
-    with BagWriter(target, progress) as bag:
+    with BagWriter(target, progress, by_digest=by_digest) as bag:
         # The source first: where it is the wrong one, that is known before a capture is copied.
         bag.add(item for item in contents.items if item.path.startswith("software/"))
         sources = {
@@ -58,13 +66,14 @@ def write_bag(contents: Contents, target: Path, progress: Callable[[int], None] 
         bag.add_text(RECORD, json.dumps(record, indent=1) + "\n")
         versions = {"fogreduce": fogreduce.__version__, "snakemake": version("snakemake")}
         bag.add_text(CRATE, crate(contents, bag.hashes, bag.sizes, versions))
-        return bag.finish(
+        digest = bag.finish(
             {
                 "Bag-Software-Agent": f"fogreduce {fogreduce.__version__}",
                 "External-Description": f"fogreduce archive of the campaign {contents.campaign}",
                 "External-Identifier": contents.campaign,
             }
         )
+        return digest, bag.target
 
 
 def _same_code(contents: Contents, code: str) -> None:

@@ -30,6 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--only", metavar="NAME,...", help="campaigns to archive (default: all that have results)"
     )
     parser.add_argument(
+        "--by-digest",
+        action="store_true",
+        help="name each bag DIR/<campaign>-<first digits of its digest>; what is there already stays",
+    )
+    parser.add_argument(
         "--source",
         type=Path,
         metavar="DIR",
@@ -55,6 +60,6 @@ def run(arguments: argparse.Namespace) -> int:
         planned = contents(arguments.results, name, arguments.campaigns, arguments.calibrations, source)
         total = sum(item.source.stat().st_size for item in planned.items)
         with progress(total, "B") as told:
-            digest = write_bag(planned, arguments.out / name, told)
-        print(f"{digest}  {arguments.out / name}")
+            digest, bag = write_bag(planned, arguments.out / name, told, by_digest=arguments.by_digest)
+        print(f"{digest}  {bag}")
     return 0

@@ -29,6 +29,8 @@ COMMANDS = {
     "archive": ("archive", "archive reduced campaigns: a BagIt bag each, with all that is needed to redo it"),
     "verify": ("verify", "verify an archive: every byte, completeness, and that its records agree"),
     "trace": ("trace", "trace one cell of a table back to the bytes that it came from"),
+    "restore": ("restore", "make a working folder of an archive, or compare results with it"),
+    "history": ("history", "show the versions of a run's results, and what changed between them"),
     "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
 }
 

@@ -1,0 +1,52 @@
+"""The last node of a run, its checksums; and `archive`, a bag for each campaign (asked for by name)."""
+
+
+rule checksums:
+    input:
+        manifest=run_file("manifest.json"),
+        drift=run_file("tables/drift.csv"),
+        figures=run_file("figures") if CONFIG.figures.enabled else [],
+    output:
+        run_file("outputs.json"),
+    log:
+        run_file("logs/checksums.log"),
+    benchmark:
+        run_file("benchmarks/checksums.tsv")
+    params:
+        code=code_digest(("archive/outputs.py", "archive/versions.py")),
+        out=run_results,
+    shell:
+        "fogreduce checksums {params.out:q} > {log:q} 2>&1"
+
+
+rule bag:
+    input:
+        lambda wildcards: [
+            f"{RESULTS}/{wildcards.campaign}/{run}/outputs.json"
+            for campaign, run in RUNS
+            if campaign == wildcards.campaign
+        ],
+    output:
+        # Not the bag's folder, into which Snakemake would put a file of its own, but its digest and its name.
+        # The name has the digest in it, so that older bags stay.
+        f"{RESULTS}/_archive/{{campaign}}.sha256",
+    log:
+        f"{RESULTS}/_archive/logs/{{campaign}}.log",
+    benchmark:
+        f"{RESULTS}/_archive/benchmarks/{{campaign}}.tsv"
+    params:
+        code=code_digest(("archive",)),
+        results=RESULTS,
+        campaigns=CONFIG.campaigns_dir,
+        calibrations=CONFIG.calibrations_dir,
+        source=Path(workflow.basedir),
+        out=f"{RESULTS}/_archive",
+    shell:
+        "fogreduce archive {params.results:q} --only {wildcards.campaign} --campaigns {params.campaigns:q}"
+        " --calibrations {params.calibrations:q} --source {params.source:q} --out {params.out:q} --by-digest"
+        " > {output:q} 2> {log:q}"
+
+
+rule archive:
+    input:
+        expand(f"{RESULTS}/_archive/{{campaign}}.sha256", campaign=sorted(CAMPAIGNS)),
