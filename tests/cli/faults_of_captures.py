@@ -176,7 +176,7 @@ CSV = [
     Case(
         "a fogcap-1 that says it is csv-1",
         lambda lab: lab.write_run({"capture.format": "csv-1"}),
-        "$capture: line 1: found bytes that are not UTF-8; expected text",
+        "$capture: line 1: found FOGCAP1; expected time_s,gyro1_V,...,gyroN_V",
     ),
     Case(
         "wrong header (csv-1)",
