@@ -1,0 +1,83 @@
+"""Short blocks of a run (about one second): where their means are taken, and at which times a model is
+asked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.metadata.facts import RunFacts
+
+Array = NDArray[np.float64]
+
+SHORTEST_S = 1.0
+MOST_BLOCKS = 400
+_INSIDE = 8  # times at which a model is asked in a block without an edge of the profile
+_AT_EDGE = 256  # and, at most, in a block with one
+_LEAST_SAMPLES = 2
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Blocks of one run.
+
+    Attributes
+    ----------
+    length_s : float
+        One block's length [s]: one second, longer where a run would have more than `MOST_BLOCKS` of them or a
+        block fewer than two samples.
+    count : int
+    time_s : (K,) array
+        True times [s] at which a model is asked, in order.
+    first : (count,) array of int
+        Where each block's times begin in `time_s`.
+    """
+
+    length_s: float
+    count: int
+    time_s: Array
+    first: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, facts: RunFacts) -> Blocks:
+        """Blocks of a run; samples at its end that fill no block are left out."""
+        rate, samples = facts.sample_rate_hz, facts.n_expected
+        duration = samples / rate
+        length = max(SHORTEST_S, duration / MOST_BLOCKS, _LEAST_SAMPLES / rate)
+        count = max(int(duration / length + 1e-9), 1)
+        length = min(length, duration / count)
+        edges = facts.profile.edges_s
+        times, first, total = [], [], 0
+        for k in range(count):
+            start, end = k * length, (k + 1) * length
+            if ((edges >= start - 1e-9) & (edges < end - 1e-9)).any():
+                # where the rate jumps, the very instants of the samples count
+                low, high = int(np.ceil(start * rate - 1e-6)), int(np.ceil(end * rate - 1e-6))
+                index = np.arange(low, max(high, low + 1))
+                at = index[:: max(1, len(index) // _AT_EDGE)] / rate
+            else:
+                at = start + (np.arange(_INSIDE) + 0.5) * length / _INSIDE
+            times.append(at)
+            first.append(total)
+            total += len(at)
+        return cls(length, count, np.concatenate(times), np.array(first))
+
+    @property
+    def centre_s(self) -> Array:
+        """(count,) middles [s]."""
+        return (np.arange(self.count) + 0.5) * self.length_s
+
+    def means(self, values: Array) -> Array:
+        """Means over each block of values (..., K) at `time_s`: (..., count)."""
+        sizes = np.diff(np.append(self.first, len(self.time_s)))
+        means = np.empty((*values.shape[:-1], self.count))
+        np.divide(np.add.reduceat(values, self.first, axis=-1), sizes, out=means)
+        return means
+
+    def of_samples(self, time_s: Array) -> NDArray[np.intp]:
+        """The block of each sample; `count` for those beyond the last."""
+        index = np.floor(time_s / self.length_s + 1e-9).astype(np.intp)
+        return np.clip(index, 0, self.count)

@@ -1,0 +1,161 @@
+"""A run's capture, decoded beside its prediction: the reduction's own readers, judgement and flags."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import MISSING_COUNT
+from fogreduce.datasets.flags import GyroFlag, RecordFlag
+from fogreduce.datasets.logs import read_temperature
+from fogreduce.datasets.readers import open_capture
+from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.errors import BadInput, Fault
+from fogreduce.gap.blocks import Blocks
+from fogreduce.gap.predict import Scene
+from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.metadata.config import OutliersConfig
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.metadata.folder import cross_check, list_runs, load_calibration, load_run
+from fogreduce.metadata.run import Run
+from fogreduce.simulate.plan import facts_of
+from fogreduce.stages.ingest import Ingest
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Every pulse of a run, at its place; what is not there is NaN.
+
+    Attributes
+    ----------
+    residual : (n, N) array
+        Measured less predicted [deg/h]; NaN where missing or spurious.
+    counts : (n, N) array of int64
+        As they arrived; `MISSING_COUNT` where there is none.
+    spurious, missing : (n, N) arrays of bool
+        Counts out of all proportion; answers that did not come though the record did.
+    lost : int
+        Records that never arrived.
+    stamp_s : (N,) array
+        Time stamps [s]; NaN where the record was lost.
+    """
+
+    residual: Array
+    counts: NDArray[np.int64]
+    spurious: NDArray[np.bool_]
+    missing: NDArray[np.bool_]
+    lost: int
+    stamp_s: Array
+
+
+@dataclass(frozen=True)
+class RunInput:
+    """One run's metadata, ready: model, record, numbers and scene."""
+
+    run: Run
+    record: CalibrationRecord
+    facts: RunFacts
+    scene: Scene
+    folder: Path
+
+
+def read_inputs(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> list[RunInput]:
+    """Metadata of a campaign's runs, checked; BadInput with every fault.
+
+    All runs must be of one unit and one calibration record: a gap is a statement about one unit.
+    """
+    folders = list_runs(campaign)
+    known = [folder.name for folder in folders]
+    for name in only:
+        if name not in known:
+            raise BadInput.at("--only-runs", "", found=name, expected="one of " + ", ".join(known))
+    faults: list[Fault] = []
+    inputs: list[RunInput] = []
+    for folder in folders:
+        if only and folder.name not in only:
+            continue
+        try:
+            run = load_run(folder)
+            record, _ = load_calibration(calibrations, run.calibration)
+            cross_check(run, record, folder / "run.yaml")
+            facts = facts_of(run, record)
+            log = read_temperature(folder / run.temperature) if run.temperature else None
+            inputs.append(RunInput(run, record, facts, Scene(facts, log, Blocks.of(facts)), folder))
+        except BadInput as error:
+            faults += error.faults
+    if faults:
+        raise BadInput(*dict.fromkeys(faults))
+    records = sorted({one.run.calibration for one in inputs})
+    if len(records) > 1:
+        raise BadInput.at(
+            campaign,
+            "calibration",
+            found="runs of " + " and ".join(records),
+            expected="runs of one calibration record (choose with --only-runs)",
+        )
+    return inputs
+
+
+def read_samples(one: RunInput, capture: Path | None = None) -> Samples:
+    """The capture of a run beside its prediction, every sample.
+
+    Parameters
+    ----------
+    one : RunInput
+    capture : path
+        Another capture of the same run than its own.
+    """
+    facts, run = one.facts, one.run
+    path = capture or one.folder / run.capture.file
+    reader = open_capture(path, run.capture.format, facts.sample_rate_hz)
+    wrong = contradictions(reader.facts, facts, path)
+    if wrong:
+        raise BadInput(*wrong)
+    ingest = Ingest(facts, OutliersConfig().threshold_sigma)
+    n, size = facts.n_gyros, facts.n_expected
+    residual = np.full((n, size), np.nan)
+    counts = np.full((n, size), MISSING_COUNT, np.int64)
+    spurious, missing = np.zeros((n, size), bool), np.zeros((n, size), bool)
+    stamp = np.full(size, np.nan)
+    for block in ingest.blocks(reader, 65536):
+        # pulses keep true time, whatever the stamps say: a wrong stamp is no reason to leave a sample out
+        take = ((block.flag & RecordFlag.REPEATED) == 0) & (block.pulse < size)
+        pulse = block.pulse[take]
+        time_s = pulse / facts.sample_rate_hz
+        measured = one.scene.rates(block.volts[:, take].copy())
+        values = measured - one.scene.decoded(time_s)
+        flag = block.gyro_flag[:, take]
+        values[flag != 0] = np.nan
+        residual[:, pulse] = values
+        if block.counts is not None:
+            counts[:, pulse] = block.counts[:, take]
+        else:
+            whole = np.rint(np.nan_to_num(block.volts[:, take]) / facts.volts_per_count)
+            counts[:, pulse] = np.where(flag & GyroFlag.MISSING, MISSING_COUNT, whole)
+        spurious[:, pulse] = (flag & GyroFlag.SPURIOUS) != 0
+        missing[:, pulse] = (flag & GyroFlag.MISSING) != 0
+        stamp[pulse] = block.time_us[take] / 1e6
+    return Samples(residual, counts, spurious, missing, int(np.isnan(stamp).sum()), stamp)
+
+
+def block_residual(samples: Samples, blocks: Blocks, sample_rate_hz: float) -> tuple[Array, Array]:
+    """Means of the residual over blocks (n, blocks) [deg/h], NaN where nothing is, and how many samples
+    each.
+    """
+    n, size = samples.residual.shape
+    index = blocks.of_samples(np.arange(size) / sample_rate_hz)
+    there = np.isfinite(samples.residual)
+    filled = np.where(there, samples.residual, 0.0)
+    sums, sizes = np.empty((n, blocks.count)), np.empty((n, blocks.count))
+    for i in range(n):
+        sums[i] = np.bincount(index, filled[i], blocks.count + 1)[: blocks.count]
+        sizes[i] = np.bincount(index, there[i], blocks.count + 1)[: blocks.count]
+    means = np.full((n, blocks.count), np.nan)
+    np.divide(sums, sizes, out=means, where=sizes > 0)
+    return means, sizes

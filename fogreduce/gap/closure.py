@@ -1,0 +1,207 @@
+"""How far the gap closes on blocks that were not fitted, with the causes simulated again.
+
+Each run's blocks are dealt in turn to two folds; causes are fitted on one and held against the other, both
+ways.
+What is summed are the squared deviates of the features in which the gap shows and of those that the causes
+change, noise and stated uncertainties in the metric: its expectation, when nothing is left, is their number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.causes import Cause, modelled, refined
+from fogreduce.gap.data import Data
+from fogreduce.gap.fast import Fast
+from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
+from fogreduce.gap.search import Search, _processes
+from fogreduce.gap.where import Place
+
+Array = NDArray[np.float64]
+
+_DEALS = 10  # stretches of a run, dealt in turn
+_MOST_FEATURES = 30
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Sums over both folds; `placebo`: the fraction that a wrong effect, fitted as hard, would close."""
+
+    measure: str
+    held_out: str
+    before: float
+    after: float
+    expected: float
+    placebo: float | None = None
+
+    @property
+    def fraction(self) -> float:
+        """1 - (after - expected) / (before - expected); 0 where nothing was there."""
+        gap = self.before - self.expected
+        return 1.0 - (self.after - self.expected) / gap if gap > 0.0 else 0.0
+
+    @property
+    def std(self) -> float:
+        """Its standard deviation: those of the two sums, as sums of squared normal deviates."""
+        gap = max(self.before - self.expected, 1e-9)
+        left = 2.0 * self.expected + 4.0 * max(self.after - self.expected, 0.0)
+        whole = 2.0 * self.expected + 4.0 * gap
+        return float(np.sqrt(left + (1.0 - self.fraction) ** 2 * whole) / gap)
+
+
+@dataclass(frozen=True)
+class _Fold:
+    """One fold's metric and residual."""
+
+    whiten: Whitener
+    metric: Metric
+    y: Array
+
+
+def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) -> Closure:
+    """Closure of the causes, over the places at which the gap was found."""
+    data = search.data
+    families = [p.family for p in found if p.family is not None]
+    slow = [c for c in causes if c.slow]
+    before = after = expected = 0.0
+    placebo: list[float] = []
+    if families or slow:
+        nominal = search.ground.nominal
+        folds = [_fold(search, parity, causes) for parity in (0, 1)]
+        for fitted, held in ((folds[0], folds[1]), (folds[1], folds[0])):
+            model = refined(data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y, rounds=3)
+            there = modelled(data.inputs, model.causes, held.whiten, nominal)
+            features = _features(search, families, there.slopes, held.whiten)
+            one, number = _sum(held.metric, features, held.y)
+            two, _ = _sum(held.metric, features, held.y - there.change)
+            before, after, expected = before + one, after + two, expected + number
+            wrong = _placebo(search, slow, fitted, held)
+            if wrong is not None:
+                three, _ = _sum(held.metric, features, held.y - wrong)
+                placebo.append((one - three) / max(one - number, 1e-9))
+    fast = [c for c in causes if c.finding is not None]
+    held_out = "every other tenth of each run, both ways" if families or slow else ""
+    for cause in fast:
+        sums = _fast_closure(data, cause, search.allowed)
+        if sums is not None:
+            before, after, expected = before + sums[0], after + sums[1], expected + 1.0
+            held_out = held_out or "every other run, both ways"
+    if not before and fast:
+        before = sum(c.finding.snr2 + 1.0 for c in fast if c.finding is not None)
+        after = expected = float(len(fast))
+        held_out = "nothing: a single run's full-rate statistics cannot be divided"
+    measure = (
+        "squared normal deviates, noise and stated uncertainties in their metric, of the features in "
+        "which the gap shows and of those that the causes change"
+    )
+    return Closure(
+        measure,
+        held_out or "nothing was fitted",
+        before,
+        after,
+        expected,
+        float(np.clip(np.mean(placebo), -1.0, 1.0)) if placebo else None,
+    )
+
+
+def _masks(data: Data, parity: int) -> list[NDArray[np.bool_]]:
+    masks = []
+    for one in data.inputs:
+        count = one.scene.blocks.count
+        stretch = np.arange(count) * _DEALS // max(count, 1)
+        masks.append(stretch % 2 == parity)
+    return masks
+
+
+def _fold(search: Search, parity: int, causes: Sequence[Cause]) -> _Fold:
+    data = search.data.with_parts(_masks(search.data, parity))
+    whiten = whitener(data.inputs, data.sizes, search.fast.level, _processes(causes))
+    y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
+    actions = [c.action(data.run_ids, data.n) for c in causes if c.slow]
+    return _Fold(whiten, Metric.of(whiten(nuisances(data.inputs, actions))), y)
+
+
+def _features(search: Search, families: Sequence[Candidate], slopes: Array, whiten: Whitener) -> Array:
+    """Whitened columns (rows, m) of features and causes under a fold's whitener."""
+    ground = search.ground.whiten
+    columns = [slopes]
+    for family in families:
+        if sum(c.shape[1] for c in columns) + family.columns.shape[2] > _MOST_FEATURES:
+            continue
+        whole = np.zeros((ground.rows.total, family.columns.shape[2]))
+        whole[family.rows] = family.columns[:, 0, :]
+        columns.append(whiten(_coloured(ground, whole)))
+    return np.column_stack(columns)
+
+
+def _coloured(ground: Whitener, white: Array) -> Array:
+    """Whitened columns before they were whitened."""
+    out = np.empty_like(white)
+    for (i, r), matrix in ground.filters.items():
+        rows = ground.rows.of(i, r)
+        out[rows] = np.linalg.solve(matrix, white[rows]) if white[rows].any() else 0.0
+    return out
+
+
+def _sum(metric: Metric, features: Array, y: Array) -> tuple[float, float]:
+    """Squared deviates of y over the span of features, and how many they are."""
+    if features.shape[1] == 0:
+        return 0.0, 0.0
+    gram = metric.gram(features, features)
+    values, vectors = np.linalg.eigh(gram / np.sqrt(np.outer(np.diag(gram), np.diag(gram)) + 1e-300))
+    some = values > 1e-8 * values[-1]
+    b = metric.gram(features, y[:, None])[:, 0] / np.sqrt(np.diag(gram) + 1e-300)
+    return float(np.sum((vectors[:, some].T @ b) ** 2 / values[some])), float(some.sum())
+
+
+def _placebo(search: Search, slow: Sequence[Cause], fitted: _Fold, held: _Fold) -> Array | None:
+    """What a wrong effect, fitted on one fold, changes on the other: the first linear one at another gyro."""
+    seats = {name for c in slow for name in c.channels}
+    for candidate in search.ground.candidates:
+        if candidate.effect in ("bias_ramp", "temperature_bias") and not seats & set(candidate.channels):
+            whole = np.zeros((search.ground.whiten.rows.total, candidate.columns.shape[2]))
+            whole[candidate.rows] = candidate.columns[:, 0, :]
+            plain = _coloured(search.ground.whiten, whole)
+            here, there = fitted.whiten(plain), held.whiten(plain)
+            size = np.linalg.lstsq(
+                fitted.metric.gram(here, here), fitted.metric.gram(here, fitted.y[:, None])[:, 0], rcond=None
+            )[0]
+            change: Array = there @ size
+            return change
+    return None
+
+
+def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[float, float] | None:
+    """Before and after of a full-rate cause: its first number, fitted on every other run, on the rest."""
+    if len(data.full) < 2 or cause.finding is None:
+        return None
+    found = []
+    for parity in (0, 1):
+        part = Data(
+            data.inputs[parity::2],
+            data.residual[parity::2],
+            data.sizes[parity::2],
+            data.full[parity::2],
+            data.stated_white,
+            data.bits,
+            data.rails,
+        )
+        same = [f for f in Fast(part, allowed).findings([]) if f.key == cause.finding.key]
+        if not same or not same[0].parameters:
+            return None
+        found.append(same[0])
+    name, (value, _) = next(iter(cause.finding.parameters.items()))
+    off = data.stated_white[int(cause.channels[0][4:]) - 1] if name == "deg_sqrt_h" else 0.0
+    before = after = 0.0
+    for fitted, held in ((found[0], found[1]), (found[1], found[0])):
+        std = float(held.parameters[name][1] or 0.0)
+        # a discrete or exactly known number has no error of its own
+        std = max(std, 1e-3 * abs(float(value)), 1e-12)
+        before += 0.5 * max(held.snr2, ((float(held.parameters[name][0]) - off) / std) ** 2)
+        after += 0.25 * ((float(held.parameters[name][0]) - float(fitted.parameters[name][0])) / std) ** 2
+    return before + 1.0, after

@@ -1,0 +1,120 @@
+"""Everything that a diagnosis is made from: residuals in blocks and full-rate statistics of every run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.effects.table import EFFECTS
+from fogreduce.gap.capture import RunInput, Samples, block_residual, read_inputs, read_samples
+from fogreduce.gap.full_rate import FullRate, full_rate
+from fogreduce.gap.link import zero_bits
+from fogreduce.physics.noise import white_sigma
+from fogreduce.simulate.streams import stream
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Data:
+    """A campaign's residuals.
+
+    Attributes
+    ----------
+    inputs : runs
+    residual, sizes : lists of (n, blocks) arrays
+        Block means of measured less predicted [deg/h], 0 where there is none; samples in each.
+    full : list of FullRate
+    stated_white : (n,) array
+        N of the record [deg/sqrt(h)].
+    bits : (n,) array of int
+        Lowest bits of each gyro that are always 0.
+    rails : dict
+        Gyro -> volts at which its converter rests.
+    """
+
+    inputs: list[RunInput]
+    residual: list[Array]
+    sizes: list[Array]
+    full: list[FullRate]
+    stated_white: Array
+    bits: NDArray[np.int64]
+    rails: dict[int, float]
+
+    @property
+    def n(self) -> int:
+        """Gyros."""
+        return self.inputs[0].facts.n_gyros
+
+    @property
+    def run_ids(self) -> list[str]:
+        """Ids of the runs."""
+        return [one.facts.run_id for one in self.inputs]
+
+    def noise_counts(self) -> Array:
+        """White noise of a sample in counts, as the record states it, (n,)."""
+        facts = self.inputs[0].facts
+        sigma = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in self.stated_white])
+        return sigma * np.abs(facts.scale_factor) / facts.volts_per_count
+
+    def with_parts(self, keep: Sequence[NDArray[np.bool_]]) -> Data:
+        """The same with only some blocks of each run counted; `keep`: a mask (blocks,) a run."""
+        sizes = [np.where(mask, size, 0.0) for mask, size in zip(keep, self.sizes, strict=True)]
+        residual = [np.where(mask, value, 0.0) for mask, value in zip(keep, self.residual, strict=True)]
+        return Data(self.inputs, residual, sizes, self.full, self.stated_white, self.bits, self.rails)
+
+
+def read_data(
+    campaign: Path, calibrations: Path, only: Sequence[str] = (), simulated: Path | None = None
+) -> Data:
+    """Read a campaign's captures and hold them against the simulator, or against another one's captures."""
+    inputs = read_inputs(campaign, calibrations, only)
+    captures = [read_samples(one) for one in inputs]
+    full = [
+        full_rate(s, one.facts, stream(0, "gap", one.facts.run_id))
+        for one, s in zip(inputs, captures, strict=True)
+    ]
+    n = inputs[0].facts.n_gyros
+    bits = np.array([zero_bits(full, i) for i in range(n)])
+    residual, sizes = [], []
+    for one, samples in zip(inputs, captures, strict=True):
+        means, size = block_residual(samples, one.scene.blocks, one.facts.sample_rate_hz)
+        if simulated is not None:
+            other = read_samples(one, simulated / "runs" / one.facts.run_id / one.run.capture.file)
+            means = means - block_residual(other, one.scene.blocks, one.facts.sample_rate_hz)[0]
+        means = means - _rounded_down(one, bits)[:, None]
+        residual.append(np.nan_to_num(means))
+        sizes.append(np.where(np.isfinite(means), size, 0.0))
+    stated = np.array(inputs[0].record.stated_noise.angle_random_walk_deg_sqrt_h)
+    return Data(inputs, residual, sizes, full, stated, bits, _rails(captures, full, inputs))
+
+
+def _rounded_down(one: RunInput, bits: NDArray[np.int64]) -> Array:
+    """What bits that are always 0 take off the mean of each gyro's readings [deg/h], (n,)."""
+    facts, out = one.facts, np.zeros(len(bits))
+    for i, m in enumerate(bits.tolist()):
+        if m:
+            codes = np.arange(1 << m, dtype=np.int32)
+            lost = float(np.mean(EFFECTS["lost_bits"].forward(codes, {"bits": m}, None) - codes))  # type: ignore[arg-type]
+            volts = lost * facts.volts_per_count * facts.polarity[i]
+            out[i] = volts / facts.scale_factor[i] * SECONDS_PER_HOUR
+    return out
+
+
+def _rails(
+    captures: Sequence[Samples], full: Sequence[FullRate], inputs: Sequence[RunInput]
+) -> dict[int, float]:
+    """Where a gyro's noise has gone in some run: the volts at which its converter rests there."""
+    rails: dict[int, float] = {}
+    for samples, run, one in zip(captures, full, inputs, strict=True):
+        for i in np.flatnonzero(run.at_rest).tolist():
+            good = np.isfinite(samples.residual[i])
+            if good.any():
+                volts = float(np.median(np.abs(samples.counts[i, good]))) * one.facts.volts_per_count
+                rails[i] = max(rails.get(i, 0.0), volts)
+    return rails

@@ -1,0 +1,191 @@
+"""A campaign, diagnosed: from folders to the document that a diagnosis is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fogreduce.effects.table import EFFECTS
+from fogreduce.errors import BadInput
+from fogreduce.gap import design, where
+from fogreduce.gap.closure import Closure, measured
+from fogreduce.gap.data import Data, read_data
+from fogreduce.gap.search import SHAPE_DOUBT, Search
+from fogreduce.gap.verdict import Named, Verdict, judged
+from fogreduce.gap.where import Place
+
+SCHEMA = "fogreduce/diagnosis/1"
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """A diagnosis with what it rests on.
+
+    Attributes
+    ----------
+    document : mapping
+        What diagnosis.json holds.
+    effects : list of mappings
+        Causes as entries of an effects file.
+    data, search, verdict : what it rests on
+    places : list of Place
+    closure : Closure or None
+    """
+
+    document: dict[str, Any]
+    effects: list[dict[str, Any]]
+    data: Data
+    search: Search
+    verdict: Verdict
+    places: list[Place]
+    closure: Closure | None
+
+
+def diagnose(
+    campaign: Path,
+    calibrations: Path,
+    without: Sequence[str] = (),
+    only: Sequence[str] = (),
+    simulated: Path | None = None,
+) -> Diagnosis:
+    """Diagnose a campaign folder.
+
+    Parameters
+    ----------
+    campaign, calibrations : Path
+    without : names of effects
+        Taken out of the catalogue.
+    only : run ids
+        Empty: all.
+    simulated : Path or None
+        A campaign folder whose captures are the prediction, in place of our own simulator's.
+    """
+    for name in without:
+        if name not in EFFECTS:
+            raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
+    allowed = frozenset(EFFECTS) - frozenset(without)
+    data = read_data(campaign, calibrations, only, simulated)
+    search = Search(data, allowed)
+    nothing, y0 = search.ground, search.state([])
+    verdict = judged(search)
+    findings = [f for f in search.fast.findings([])]
+    left = y0.field.metric.without(y0.field.y)
+    findings += list(nothing.processes.findings(left, allowed))
+    found = where.places(y0.field, nothing.families, findings, data.run_ids)
+    if verdict.word != "no_gap" and not found:
+        found = [_faint(verdict, data)]
+    closure = None
+    if verdict.word != "no_gap":
+        closure = measured(search, verdict.state.causes, found)
+    document = {
+        "schema": SCHEMA,
+        "campaign": campaign.resolve().name,
+        "runs": data.run_ids,
+        "catalogue": [name for name in EFFECTS if name in allowed],
+        "verdict": verdict.word,
+        "gap_probability": round(verdict.gap_probability, 6),
+        "where": where.document(found) if verdict.word != "no_gap" else [],
+        "causes": [_cause(verdict, one) for one in verdict.named],
+        "unknown_probability": round(verdict.unknown_probability, 6),
+        "closure": None if closure is None else _closure(closure),
+        "remainder": _remainder(search, verdict),
+        "next_run": design.next_run(search, verdict) if verdict.named else None,
+    }
+    effects = [
+        {"effect": c.effect, "channels": list(c.channels), "runs": list(c.runs), "parameters": c.parameters()}
+        for c in verdict.state.causes
+    ]
+    return Diagnosis(document, effects, data, search, verdict, found, closure)
+
+
+def _faint(verdict: Verdict, data: Data) -> Place:
+    """The best place of a gap that no place alone shows beyond doubt."""
+    unknown = [o for o in verdict.left if not o.known] or verdict.left
+    best = max(unknown, key=lambda o: o.log_b)
+    if verdict.named and verdict.named[0].group:
+        best = verdict.named[0].group[0][0]
+    source = best.source
+    runs = tuple(data.run_ids) if source.runs == ("*",) else source.runs
+    sigma = where.significance(max(best.q, 0.0), 1)
+    return Place(source.stage, source.channels, runs, source.feature or "mean", sigma, max(best.q, 1e-6), 1)
+
+
+def _cause(verdict: Verdict, one: Named) -> dict[str, Any]:
+    cause = verdict.state.causes[one.index]
+    group = [
+        {
+            "effect": o.key[0],
+            "channels": list(o.key[1]),
+            "runs": list(o.key[2]),
+            **({"parameters": {"with": o.key[3]}} if o.key[0] == "channel_swap" else {}),
+            "probability": round(min(p, 1.0), 6),
+        }
+        for o, p in one.group
+    ]
+    return {
+        "effect": cause.effect,
+        "channels": list(cause.channels),
+        "runs": list(cause.runs),
+        "probability": round(min(one.probability, 1.0), 6),
+        "group_probability": round(min(one.group_probability, 1.0), 6),
+        "group": group,
+        "parameters": _plain(cause.stated()),
+    }
+
+
+def _closure(closure: Closure) -> dict[str, Any]:
+    fraction, std = closure.fraction, closure.std
+    out = {
+        "measure": closure.measure,
+        "held_out": closure.held_out,
+        "before": closure.before,
+        "after": closure.after,
+        "expected_if_closed": closure.expected,
+        "fraction": fraction,
+        "std": std,
+        "interval_95": [fraction - 1.96 * std, fraction + 1.96 * std],
+    }
+    if closure.placebo is not None:
+        out["placebo_fraction"] = closure.placebo
+    return out
+
+
+def _remainder(search: Search, verdict: Verdict) -> dict[str, Any]:
+    """What is left beside the causes."""
+    options = [o for o in verdict.left if not o.known]
+    significant = verdict.word in ("partly_explained", "unexplained")
+    log_ps = [0.0]
+    for option in options:
+        k = (
+            option.fit.candidate.columns.shape[2]
+            if option.fit is not None
+            else getattr(option.source, "degrees", 1)
+        )
+        log_ps.append(min(where.log_tail(max(option.q, 1e-9), int(k)) + np.log(300.0), 0.0))
+    findings = [o.finding for o in options if o.finding is not None]
+    doubt = SHAPE_DOUBT * search.size_at(verdict.state, ["table"])
+    found = (
+        where.places(verdict.state.field, search.ground.families, findings, search.data.run_ids, doubt)
+        if significant
+        else []
+    )
+    return {
+        "significant": significant,
+        "p_value": float(np.exp(min(log_ps))),
+        "where": where.document(found) if found else [],
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Numbers of numpy as plain ones."""
+    if isinstance(value, dict):
+        return {key: _plain(v) for key, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    return value

@@ -1,0 +1,136 @@
+"""Exact Gaussian evidence of candidates, in closed form.
+
+A candidate's amplitude has a mixture of scales as its prior: given a scale S, its coefficients are normal
+with
+the covariance ``g G^-1``, G the Gram matrix of its columns and g = S^2 / k, so that its expected
+signal-to-noise
+ratio is S whatever its units. With Q = b' G^-1 b, b the columns' products with the residual,
+
+    ln B = -k/2 ln(1 + g) + Q/2 g / (1 + g).
+
+A grid over other parameters is averaged, so that a finer or wider one costs what it should (look-elsewhere).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.noise_model import Metric
+
+Array = NDArray[np.float64]
+
+#: Scales of the signal-to-noise ratio and their prior weights: even in the logarithm where one looks for
+#: effects, a little for gross ones.
+SCALES = np.array([3.0, 5.0, 8.0, 13.0, 20.0, 35.0, 60.0, 150.0, 1e3, 1e4, 1e5, 1e6])
+_WEIGHTS = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.3, 0.2, 0.1, 0.1, 0.1])
+LOG_WEIGHTS = np.log(_WEIGHTS / _WEIGHTS.sum())
+
+
+def log_mean_exp(values: Array, log_weights: Array | None = None, axis: int = -1) -> Array:
+    """Logarithm of the (weighted) mean of exponentials."""
+    if log_weights is None:
+        log_weights = np.full(values.shape[axis], -np.log(values.shape[axis]))
+    shape = [1] * values.ndim
+    shape[axis] = -1
+    shifted = values + log_weights.reshape(shape)
+    top = np.max(shifted, axis=axis, keepdims=True)
+    total = np.log(np.sum(np.exp(shifted - top), axis=axis)) + np.squeeze(top, axis)
+    return np.asarray(total)
+
+
+def log_bayes(q: Array, k: int) -> Array:
+    """Ln B of k columns with Q against none, the mixture of scales in it; any shape of q."""
+    g = SCALES**2 / k
+    terms = -0.5 * k * np.log1p(g) + 0.5 * q[..., None] * (g / (1.0 + g))
+    return log_mean_exp(terms, LOG_WEIGHTS)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A candidate held against a residual.
+
+    Attributes
+    ----------
+    candidate : Candidate
+    log_b : float
+        ln of its evidence over that of nothing more.
+    best : int
+        Best point of the grid.
+    q : float
+        Twice the gain in ln likelihood there.
+    coefficients : (k,) array
+        At the best point.
+    covariance : (k, k) array
+    """
+
+    candidate: Candidate
+    log_b: float
+    best: int
+    q: float
+    coefficients: Array
+    covariance: Array
+
+
+@dataclass(frozen=True)
+class Field:
+    """A whitened residual and the metric in which it counts, with its products ready."""
+
+    metric: Metric
+    y: Array
+    shrunk: Array
+
+    @classmethod
+    def of(cls, metric: Metric, y: Array) -> Field:
+        """From metric and whitened residual."""
+        return cls(metric, y, metric.shrink @ (metric.a.T @ y))
+
+    @property
+    def chi2(self) -> float:
+        """Y' S^-1 y."""
+        return float(self.y @ self.y - (self.metric.a.T @ self.y) @ self.shrunk)
+
+    def products(self, rows: slice, columns: Array) -> tuple[Array, Array, Array]:
+        """Of columns (rows, J, k): b (J, k), G (J, k, k), and the columns' nuisance parts (q, J, k)."""
+        a = self.metric.a[rows]
+        m, j, k = columns.shape
+        flat = columns.reshape(m, j * k)
+        ax = a.T @ flat
+        b = flat.T @ self.y[rows] - ax.T @ self.shrunk
+        shrunk = (self.metric.shrink @ ax).reshape(-1, j, k)
+        ax3 = ax.reshape(-1, j, k)
+        gram = np.einsum("mjk,mjl->jkl", columns, columns) - np.einsum("qjk,qjl->jkl", ax3, shrunk)
+        return b.reshape(j, k), gram, ax3
+
+    def fit(self, candidate: Candidate) -> Fit:
+        """Evidence and best coefficients of a candidate."""
+        b, gram, _ = self.products(candidate.rows, candidate.columns)
+        k = b.shape[1]
+        if candidate.fixed:
+            gain = b[:, 0] - 0.5 * gram[:, 0, 0]
+            best = int(np.argmax(gain))
+            return Fit(
+                candidate,
+                float(log_mean_exp(gain)),
+                best,
+                2.0 * float(gain[best]),
+                np.ones(1),
+                np.zeros((1, 1)),
+            )
+        # what is not seen at all must not be divided by
+        floor = 1e-10 * np.einsum("mjk,mjk->jk", candidate.columns, candidate.columns) + 1e-30
+        gram = gram + floor[:, :, None] * np.eye(k)
+        inverse = np.linalg.inv(gram)
+        found = np.einsum("jkl,jl->jk", inverse, b)
+        q = np.maximum(np.einsum("jk,jk->j", b, found), 0.0)
+        logs = log_bayes(q, k)
+        if candidate.positive and k == 1:
+            from scipy.special import log_ndtr
+
+            sign = found[:, 0] * candidate.steps[:, 0]
+            logs = logs + np.log(2.0) + log_ndtr(np.sign(sign) * np.sqrt(q))
+        best = int(np.argmax(logs))
+        return Fit(candidate, float(log_mean_exp(logs)), best, float(q[best]), found[best], inverse[best])

@@ -1,0 +1,129 @@
+"""The full rate's side of the search: levels, lines, correlations, link, beside the causes found already."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.gap.causes import Cause
+from fogreduce.gap.data import Data
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.lines import line_findings
+from fogreduce.gap.link import link_findings, stamp_findings
+from fogreduce.gap.spectrum import correlation_findings, filter_gain, level_findings, levels
+
+Array = NDArray[np.float64]
+
+_SPOILS = 25.0  # twice the gain in ln likelihood from which on a line is kept out of levels
+
+
+class Fast:
+    """Findings of the full rate.
+
+    Parameters
+    ----------
+    data : Data
+    allowed : names of effects
+
+    Attributes
+    ----------
+    level : (n,) array
+        White noise at low frequencies over that of the record: what block means scatter with.
+    """
+
+    def __init__(self, data: Data, allowed: frozenset[str]) -> None:
+        self.data, self.allowed = data, allowed
+        self.facts = data.inputs[0].facts
+        n = data.n
+        self.link = [
+            *link_findings(data.full, allowed, data.noise_counts()),
+            *stamp_findings(data.full, allowed),
+        ]
+        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, data.bits.astype(float))
+        whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
+        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3)
+        lines = self._lines([])
+        spoiled: list[list[float]] = [[] for _ in range(n)]
+        for line in lines:
+            if line.snr2 > _SPOILS:
+                hz = line.parameters["frequency_hz"][0] if line.parameters else 0.0
+                for i in range(n):
+                    spoiled[i].append(float(hz))
+        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, data.bits.astype(float))
+        self.held = [self._held_by_repeats(i) for i in range(n)]
+        self.level = self._low_level()
+        self._cache: dict[object, list[Finding]] = {}
+
+    def _low_level(self) -> Array:
+        """Level of the lowest quarter of the spectrum; a filter leaves block means as they are."""
+        if self.levels is None:
+            return np.ones(self.data.n)
+        quarter = max(self.levels.ratio.shape[1] // 4, 4)
+        out = np.ones(self.data.n)
+        for i in range(self.data.n):
+            keep = self.levels.keep[i, :quarter]
+            part = (self.levels.ratio[i] / self.held[i])[:quarter][keep]
+            if part.size and self.levels.pieces[i] > 0:
+                out[i] = float(np.sqrt(max(np.mean(part), 1e-4)))
+            rivals = frozenset({"low_pass", "angle_random_walk"})
+            found = level_findings(self.levels, i, rivals, self.held[i], False)
+            best = max(found, key=lambda f: f.log_b, default=None)
+            if best is not None and best.effect == "low_pass" and best.log_b > 3.0:
+                out[i] = 1.0
+        return np.clip(out, 0.2, 1e3)
+
+    def _held_by_repeats(self, i: int) -> Array:
+        """Shape of the spectrum of white noise whose samples repeat with the share found: q^|k|
+        correlated.
+        """
+        size = 0 if self.levels is None else self.levels.ratio.shape[1]
+        found = [f for f in self.link if f.domain == "repeats" and f.channels == (f"gyro{i + 1}",)]
+        q = 0.0
+        if found and found[0].snr2 > 16.0:
+            pairs = sum(float(run.pairs[i]) for run in self.data.full)
+            repeats = sum(float(run.repeats[i]) for run in self.data.full)
+            q = min(repeats / max(pairs, 1.0), 0.95)
+        if q == 0.0 or self.levels is None:
+            return np.ones(size)
+        turn = 2.0 * np.pi * self.levels.frequency
+        shape: Array = (1.0 - q * q) / (1.0 + q * q - 2.0 * q * np.cos(turn))
+        return shape
+
+    def _lines(self, taken: Sequence[float]) -> list[Finding]:
+        return line_findings(
+            self.data.full, self.facts, self.data.stated_white, self.whole, self.allowed, taken
+        )
+
+    def findings(self, causes: Sequence[Cause]) -> list[Finding]:
+        """What may be added to the causes."""
+        mine = [c.finding for c in causes if c.finding is not None]
+        key = repr(sorted((f.domain, f.channels, f.effect, str(f.parameters)) for f in mine))
+        if key not in self._cache:
+            self._cache[key] = self._found(mine)
+        return self._cache[key]
+
+    def _found(self, mine: Sequence[Finding]) -> list[Finding]:
+        taken = {(f.domain, f.channels) for f in mine}
+        out = [f for f in self.link if (f.domain, f.channels) not in taken]
+        out += self._lines([float(f.parameters["frequency_hz"][0]) for f in mine if f.domain == "lines"])
+        if self.levels is None:
+            return out
+        for i in range(self.data.n):
+            here = [f for f in mine if f.domain == "level" and f.channels == (f"gyro{i + 1}",)]
+            held = self.held[i].copy()
+            for f in here:
+                if f.effect == "low_pass":
+                    tau = float(f.parameters["time_constant_ms"][0])
+                    held *= filter_gain(tau, self.facts.sample_rate_hz, self.levels.frequency)
+            free = any(f.effect == "angle_random_walk" for f in here)
+            named = {f.effect for f in here}
+            allowed = self.allowed - named
+            filtered = "low_pass" in named
+            for f in level_findings(self.levels, i, allowed, held, free):
+                if not (f.effect == "unknown" and f.feature == "white" and (free or filtered)):
+                    out.append(f)
+        if not any(f.domain == "correlation" for f in mine):
+            out += list(correlation_findings(self.levels, self.allowed))
+        return out

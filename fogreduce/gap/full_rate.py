@@ -1,0 +1,214 @@
+"""Statistics of one run's full-rate stream: what block means cannot show.
+
+Spectra are taken over short pieces, each less its straight line, so that what is slow does not leak into
+them.
+Samples that are missing or spurious are replaced by others of the same second: that keeps the noise white.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import MISSING_COUNT
+from fogreduce.gap.capture import Samples
+from fogreduce.metadata.facts import RunFacts
+
+Array = NDArray[np.float64]
+
+PIECE = 256  # samples of a piece of the averaged spectrum
+FIRST_LINE = 4  # lines of a piece's spectrum below this are left out: trends leak there
+MOST_BITS = 16
+LEAST_LINE_HZ = 0.5
+
+
+@dataclass(frozen=True)
+class FullRate:
+    """One run's statistics.
+
+    Attributes
+    ----------
+    run_id : str
+    samples, missing, spurious : (n,) arrays
+        Samples that count, answers that did not come, counts out of all proportion.
+    lost : int
+        Records that never arrived.
+    spurious_counts : list of (k,) arrays
+        The spurious counts of each gyro.
+    pairs, repeats : (n,) arrays
+        Neighbouring samples, and those of them that are equal.
+    ends : (n, MOST_BITS + 1) array
+        How many counts end in at least m zero bits.
+    at_rest : (n,) array of bool
+        Whether the gyro's noise has all but gone: a converter at its rail.
+    pieces : int
+        Of the averaged spectrum.
+    frequency : (F,) array
+        Its lines as fractions of the sample rate, above 0.
+    power : (n, F) array
+        Mean power [(deg/h)^2]: white noise of variance s^2 has s^2 in every line.
+    cross : (F, n, n) array
+        Mean products of the gyros' spectra in each line, real parts [(deg/h)^2].
+    line_hz : (L,) array
+        Frequencies of the whole run's spectrum [Hz].
+    lines : (n, L) complex array
+        Its amplitudes, of unit variance in each quadrature for white noise of 1 deg/h a sample.
+    stamp_ppm, stamp_ppm_std, stamp_scatter_us : float
+        Rate of the stamps less that of the pulses; its error; scatter about a straight line.
+    stamps_bend : float
+        Normal deviate of a bend in the stamps.
+    """
+
+    run_id: str
+    samples: Array
+    missing: Array
+    spurious: Array
+    lost: int
+    spurious_counts: list[NDArray[np.int64]]
+    pairs: Array
+    repeats: Array
+    ends: Array
+    at_rest: NDArray[np.bool_]
+    pieces: int
+    frequency: Array
+    power: Array
+    cross: Array
+    line_hz: Array
+    lines: NDArray[np.complex128]
+    stamp_ppm: float
+    stamp_ppm_std: float
+    stamp_scatter_us: float
+    stamps_bend: float
+
+
+def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator) -> FullRate:
+    """Statistics of a run.
+
+    Parameters
+    ----------
+    samples : Samples
+    facts : RunFacts
+    generator : numpy.random.Generator
+        Chooses the samples that stand in for those missing.
+    """
+    good = np.isfinite(samples.residual)
+    filled = _filled(samples.residual, good, generator)
+    pieces, frequency, power, cross = _spectrum(filled)
+    line_hz, lines = _lines(filled, facts.sample_rate_hz)
+    pairs, repeats = _repeats(samples.counts, good)
+    ppm, ppm_std, scatter, bend = _stamps(samples.stamp_s, facts.sample_rate_hz)
+    stated = np.ones(len(good)) if facts.white_noise is None else facts.white_noise
+    level = np.sqrt(np.median(power, axis=1)) if power.size else np.ones(len(good))
+    nominal = stated * 60.0 * np.sqrt(facts.sample_rate_hz)
+    return FullRate(
+        run_id=facts.run_id,
+        samples=good.sum(axis=1).astype(float),
+        missing=samples.missing.sum(axis=1).astype(float),
+        spurious=samples.spurious.sum(axis=1).astype(float),
+        lost=samples.lost,
+        spurious_counts=[c[s] for c, s in zip(samples.counts, samples.spurious, strict=True)],
+        pairs=pairs,
+        repeats=repeats,
+        ends=_ends(samples.counts, good),
+        at_rest=(level < 0.2 * nominal) if facts.white_noise is not None else level <= 0.0,
+        pieces=pieces,
+        frequency=frequency,
+        power=power,
+        cross=cross,
+        line_hz=line_hz,
+        lines=lines,
+        stamp_ppm=ppm,
+        stamp_ppm_std=ppm_std,
+        stamp_scatter_us=scatter,
+        stamps_bend=bend,
+    )
+
+
+def _filled(residual: Array, good: NDArray[np.bool_], generator: np.random.Generator) -> Array:
+    """Each missing sample replaced by a good one of the same second or so."""
+    filled = residual.copy()
+    for row, there in zip(filled, good, strict=True):
+        gaps = np.flatnonzero(~there)
+        if not gaps.size:
+            continue
+        present = np.flatnonzero(there)
+        if present.size < 2:
+            row[:] = 0.0
+            continue
+        near = np.searchsorted(present, gaps) + generator.integers(-64, 65, gaps.size)
+        row[gaps] = row[present[np.clip(near, 0, present.size - 1)]]
+    return filled
+
+
+def _spectrum(filled: Array) -> tuple[int, Array, Array, Array]:
+    n, size = filled.shape
+    length = min(PIECE, size // 4)
+    if length < 16:
+        return 0, np.zeros(0), np.zeros((n, 0)), np.zeros((0, n, n))
+    pieces = size // length
+    cut = filled[:, : pieces * length].reshape(n, pieces, length)
+    t = np.arange(length) - (length - 1) / 2.0
+    cut = cut - cut.mean(axis=2, keepdims=True)
+    cut = cut - (cut @ t / (t @ t))[..., None] * t
+    first = min(FIRST_LINE, length // 8)
+    spectrum = np.fft.rfft(cut, axis=2)[:, :, first:-1] / np.sqrt(length)
+    power = np.mean(np.abs(spectrum) ** 2, axis=1)
+    by_line = spectrum.transpose(2, 0, 1)
+    cross = np.real(by_line @ by_line.conj().transpose(0, 2, 1)) / pieces
+    frequency = np.asarray(np.fft.rfftfreq(length)[first:-1], np.float64)
+    return pieces, frequency, power, cross
+
+
+def _lines(filled: Array, rate_hz: float) -> tuple[Array, NDArray[np.complex128]]:
+    """The whole run's spectrum, each line split in two so that none falls between."""
+    n, size = filled.shape
+    padded = 1 << int(np.ceil(np.log2(max(2 * size, 2))))
+    # what is slow and large must not leak into the lines: each second less its mean
+    second = max(int(rate_hz / LEAST_LINE_HZ), 2)
+    whole = size // second * second
+    if whole == 0:
+        return np.zeros(0), np.zeros((n, 0), complex)
+    cut = filled[:, :whole].reshape(n, -1, second)
+    t = np.arange(second) - (second - 1) / 2.0
+    cut = cut - cut.mean(axis=2, keepdims=True)
+    cut = (cut - (cut @ t / (t @ t))[..., None] * t).reshape(n, whole)
+    frequency = np.asarray(np.fft.rfftfreq(padded, 1.0 / rate_hz), np.float64)
+    keep = (frequency >= 2.0 * LEAST_LINE_HZ) & (frequency <= 0.49 * rate_hz)
+    lines = np.fft.rfft(cut, padded, axis=1)[:, keep] * np.sqrt(2.0 / whole)
+    return frequency[keep], lines
+
+
+def _repeats(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> tuple[Array, Array]:
+    both = good[:, 1:] & good[:, :-1]
+    same = both & (counts[:, 1:] == counts[:, :-1])
+    return both.sum(axis=1).astype(float), same.sum(axis=1).astype(float)
+
+
+def _ends(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> Array:
+    usable = good & (counts != MISSING_COUNT)
+    ends = np.empty((len(counts), MOST_BITS + 1))
+    for m in range(MOST_BITS + 1):
+        ends[:, m] = (usable & ((counts & ((1 << m) - 1)) == 0)).sum(axis=1)
+    return ends
+
+
+def _stamps(stamp_s: Array, rate_hz: float) -> tuple[float, float, float, float]:
+    """Straight line and bend of stamps against pulses; scatter at least that of whole microseconds."""
+    pulse_s = np.arange(len(stamp_s)) / rate_hz
+    there = np.isfinite(stamp_s)
+    x, y = pulse_s[there], (stamp_s - pulse_s)[there]
+    if x.size < 8 or np.ptp(x) == 0.0:
+        return 0.0, np.inf, 0.0, 0.0
+    near = np.abs(y - np.median(y)) <= max(10.0 * float(np.median(np.abs(y - np.median(y)))), 1e-3)
+    x, y = x[near], y[near]
+    u = (x - x.mean()) / np.ptp(x)
+    bend = u * u - np.mean(u * u)
+    basis = np.column_stack([np.ones_like(u), u, bend - u * (bend @ u) / (u @ u)])
+    found = (basis.T @ y) / np.sum(basis**2, axis=0)
+    left = y - basis @ found
+    scatter = max(float(np.std(left)), 1e-6 / np.sqrt(12.0))
+    slope_std = scatter / np.sqrt(float(u @ u)) / np.ptp(x)
+    bent = float(found[2]) / (scatter / np.sqrt(float(np.sum(basis[:, 2] ** 2))))
+    return float(found[1]) / np.ptp(x) * 1e6, slope_std * 1e6, scatter * 1e6, bent

@@ -1,0 +1,195 @@
+"""Lines in the full-rate spectrum: on one gyro, or of a motion that all gyros feel.
+
+Amplitude is the same in every run, phase another one. With z the amplitude found in a run (unit variance in
+each
+quadrature) and s the one expected, ``ln L = ln I0(s |z|) - s^2 / 2``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import i0e
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.gap.evidence import log_mean_exp
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.full_rate import FullRate
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.noise import white_sigma
+
+Array = NDArray[np.float64]
+
+_SIZES = np.array([4.0, 6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 200.0, 400.0])
+_LEADERS = 60
+
+
+def _log_i0(x: Array) -> Array:
+    result: Array = np.log(i0e(x)) + x
+    return result
+
+
+def _sizes_log(moduli: Array) -> tuple[Array, Array]:
+    """Ln mean likelihood over sizes, and the best size's, for moduli (..., runs)."""
+    runs = moduli.shape[-1]
+    s = _SIZES / np.sqrt(runs)
+    logs = _log_i0(moduli[..., None, :] * s[:, None]).sum(axis=-1) - 0.5 * runs * s**2
+    # sizes lie further apart than the likelihood is wide: the best one is looked for between them
+    best = np.sqrt(np.maximum(np.sum(moduli**2, axis=-1) - 2.0 * runs, 0.0) / runs)
+    top = _log_i0(moduli * best[..., None]).sum(axis=-1) - 0.5 * runs * best**2
+    narrow = np.log(2.5 / np.maximum(best * np.sqrt(runs), 2.5))
+    mean = np.maximum(log_mean_exp(logs), top + narrow - np.log(3.0))
+    return mean, np.maximum(top, logs.max(axis=-1))
+
+
+def line_findings(
+    runs: Sequence[FullRate],
+    facts: RunFacts,
+    stated: Array,
+    level: Array,
+    allowed: frozenset[str],
+    taken_hz: Sequence[float],
+) -> list[Finding]:
+    """Lines of each gyro and of a motion.
+
+    Parameters
+    ----------
+    runs : statistics
+    facts : RunFacts
+        Of any run.
+    stated, level : (n,) arrays
+        N of the record [deg/sqrt(h)]; the level found over it.
+    allowed : names of effects
+    taken_hz : sequence of float
+        Lines that are causes already: they and their neighbours are passed over.
+    """
+    sizes = {len(run.line_hz) for run in runs}
+    longest = max(sizes)
+    usable = [run for run in runs if len(run.line_hz) == longest and longest > 0]
+    if not usable:
+        return []
+    hz, n = usable[0].line_hz, facts.n_gyros
+    white = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in stated * level]) * SECONDS_PER_HOUR
+    z = np.array([run.lines / white[:, None] for run in usable])  # (R, n, L)
+    free = np.ones(longest, bool)
+    step = hz[1] - hz[0] if longest > 1 else 1.0
+    for line in taken_hz:
+        free &= np.abs(hz - line) > 12.0 * step
+    count = max(float(free.sum()) / 2.0, 1.0)  # lines that are independent
+    samples = max(float(run.samples.max()) for run in usable)
+    out: list[Finding] = []
+    for i in range(n):
+        awake = np.array([not run.at_rest[i] for run in usable])
+        if not awake.any():
+            continue
+        moduli = np.abs(z[awake, i]).T
+        found = _best(moduli, free)
+        if found is None:
+            continue
+        k, log_sum, top = found
+        log_b = log_sum - np.log(count)
+        amplitude = float(
+            np.sqrt(max(np.mean(moduli[k] ** 2) - 2.0, 0.1)) * white[i] * np.sqrt(2.0 / samples)
+        )
+        std = float(white[i] * np.sqrt(2.0 / samples / awake.sum()))
+        parameters = {"deg_h": (amplitude, std), "frequency_hz": (float(hz[k]), _hz_std(step, top))}
+        effect = "periodic_interference" if "periodic_interference" in allowed else "unknown"
+        out.append(
+            Finding(
+                effect,
+                (gyro_name(i),),
+                ("*",),
+                log_b,
+                2.0 * top,
+                parameters,
+                1.0 / n,
+                "lines",
+                "noise",
+                "line",
+                max(2 * int(awake.sum()), 2),
+            )
+        )
+    out += _motion(usable, z, hz, free, count, facts, white, allowed, samples)
+    return out
+
+
+def _hz_std(step: float, gain: float) -> float:
+    """Of a line's frequency: the width of a line over its signal-to-noise ratio."""
+    return float(2.0 * step * np.sqrt(6.0) / np.pi / np.sqrt(max(2.0 * gain, 1.0)))
+
+
+def _best(moduli: Array, free: NDArray[np.bool_]) -> tuple[int, float, float] | None:
+    """The best line of (L, R): its index, ln of the sum of evidence over lines, and twice its best gain's
+    half.
+    """
+    power = np.where(free, np.sum(moduli**2, axis=1), 0.0)
+    leaders = np.argsort(power)[-_LEADERS:]
+    leaders = leaders[power[leaders] > 0.0]
+    if not leaders.size:
+        return None
+    mean, top = _sizes_log(moduli[leaders])
+    k = int(np.argmax(mean))
+    # neighbours of a line in a spectrum of split lines say the same again
+    log_sum = float(log_mean_exp(mean) + np.log(len(mean))) - np.log(2.0)
+    return int(leaders[k]), log_sum, float(top[k])
+
+
+def _motion(
+    runs: Sequence[FullRate],
+    z: NDArray[np.complex128],
+    hz: Array,
+    free: NDArray[np.bool_],
+    count: float,
+    facts: RunFacts,
+    white: Array,
+    allowed: frozenset[str],
+    samples: float,
+) -> list[Finding]:
+    """A motion along one direction: amplitudes over the gyros are G u, with one phase a run."""
+    if facts.n_gyros < 2 or any(run.at_rest.any() for run in runs):
+        return []
+    seen = facts.axes * facts.frame_signs / white[:, None]
+    basis, r_factor = np.linalg.qr(seen)
+    y = np.einsum("rnl,nd->rdl", z, basis)
+    cov = np.einsum("rdl,rel->lde", y.real, y.real) + np.einsum("rdl,rel->lde", y.imag, y.imag)
+    power = np.where(free, np.trace(cov, axis1=1, axis2=2), 0.0)
+    leaders = np.argsort(power)[-_LEADERS:]
+    _, vectors = np.linalg.eigh(cov[leaders])
+    direction = vectors[:, :, -1]  # (leaders, d)
+    moduli = np.abs(np.einsum("rdl,ld->lr", y[:, :, leaders], direction))
+    mean, top = _sizes_log(moduli)
+    gain2 = np.maximum(np.sum(moduli**2, axis=1) - 2.0 * len(runs), 1.0)
+    # the direction was chosen: the share of all directions that would have done as well
+    mean = mean + np.log(np.minimum(2.0 / gain2, 1.0) if basis.shape[1] == 3 else 1.0)
+    k = int(np.argmax(mean))
+    log_b = float(log_mean_exp(mean) + np.log(len(mean))) - np.log(2.0) - np.log(count)
+    at = int(leaders[k])
+    rate = np.linalg.solve(r_factor, direction[k]) if basis.shape[1] == 3 else direction[k]
+    size = float(np.sqrt(max(np.mean(moduli[k] ** 2) - 2.0, 0.1)) * np.sqrt(2.0 / samples))
+    length = float(np.linalg.norm(rate))
+    axis = [round(float(v), 6) for v in (rate / length).tolist()] if len(rate) == 3 else [1.0, 0.0, 0.0]
+    std = float(length * np.sqrt(2.0 / samples / len(runs)))
+    parameters = {
+        "deg_h": (size * length, std),
+        "frequency_hz": (float(hz[at]), _hz_std(hz[1] - hz[0], float(top[k]))),
+        "axis": (axis, None),
+    }
+    effect = "base_motion" if "base_motion" in allowed else "unknown"
+    return [
+        Finding(
+            effect,
+            ("table",),
+            ("*",),
+            log_b,
+            2.0 * float(top[k]),
+            parameters,
+            1.0,
+            "lines",
+            "table",
+            "line",
+            2 * len(runs),
+        )
+    ]

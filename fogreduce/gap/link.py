@@ -1,0 +1,151 @@
+"""What the link and the converter's codes say: missing and spurious answers, repeats, bits, stamps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.gap.evidence import log_mean_exp
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.full_rate import MOST_BITS, FullRate
+
+Array = NDArray[np.float64]
+
+#: Chance that a healthy link loses or spoils a sample. The contract does not state it.
+HEALTHY_FAULT = 1e-6
+_FRACTIONS = np.geomspace(1e-6, 0.5, 41)
+_SPIKE_REACH = 2.0**30
+
+
+def share_evidence(hits: float, trials: float, base: float) -> tuple[float, float, float]:
+    """Ln B of a further share of hits, even in its logarithm, against chance; twice the gain; best share.
+
+    Parameters
+    ----------
+    hits, trials : float
+    base : float
+        Chance of a hit when nothing is wrong.
+    """
+    if trials <= 0.0:
+        return 0.0, 0.0, 0.0
+
+    def log_l(p: Array) -> Array:
+        return hits * np.log(p) + (trials - hits) * np.log1p(-p)
+
+    chance = np.array(min(max(base, 1e-12), 0.5))
+    logs = log_l(_FRACTIONS + (1.0 - _FRACTIONS) * chance) - log_l(chance)
+    best = min(max((hits / trials - float(chance)) / (1.0 - float(chance)), 0.0), 0.999)
+    gain = 0.0
+    if best > 0.0:
+        gain = float(log_l(np.array(best + (1.0 - best) * chance)) - log_l(chance))
+    return float(log_mean_exp(logs)), 2.0 * gain, best
+
+
+def link_findings(
+    runs: Sequence[FullRate], allowed: frozenset[str], noise_counts: Array
+) -> Iterator[Finding]:
+    """Findings at every gyro.
+
+    Parameters
+    ----------
+    runs : statistics
+    allowed : names of effects
+    noise_counts : (n,) array
+        White noise of a sample in counts.
+    """
+    n = len(noise_counts)
+    for i in range(n):
+        name, share = (gyro_name(i),), 1.0 / n
+        samples = sum(float(run.samples[i]) for run in runs)
+        missing = sum(float(run.missing[i]) for run in runs)
+        spurious = sum(float(run.spurious[i]) for run in runs)
+        trials = samples + missing + spurious
+        for effect, hits, feature, extra in (
+            ("dropouts", missing, "missing", 0.0),
+            ("spikes", spurious, "outliers", _reach(runs, i)),
+        ):
+            log_b, snr2, value = share_evidence(hits, trials, HEALTHY_FAULT)
+            std = np.sqrt(max(hits, 1.0)) / trials if trials else 0.0
+            parameters = {"fraction": (value, std)}
+            if effect in allowed:
+                yield Finding(
+                    effect, name, ("*",), log_b + extra, snr2, parameters, share, feature, "link", feature
+                )
+            yield Finding("unknown", name, ("*",), log_b, snr2, {}, share, feature, "link", feature)
+        bits = zero_bits(runs, i)
+        awake = [run for run in runs if not run.at_rest[i]]
+        pairs = sum(float(run.pairs[i]) for run in awake)
+        repeats = sum(float(run.repeats[i]) for run in awake)
+        chance = min(2.0**bits / (2.0 * max(noise_counts[i], 0.3) * np.sqrt(np.pi)), 0.5)
+        log_b, snr2, value = share_evidence(repeats, pairs, chance)
+        std = np.sqrt(max(repeats, 1.0)) / max(pairs, 1.0)
+        effect = "stuck_samples" if "stuck_samples" in allowed else "unknown"
+        given = {"fraction": (value, std)} if effect != "unknown" else {}
+        yield Finding(effect, name, ("*",), log_b, snr2, given, share, "repeats", "link", "repeats")
+        if bits:
+            effect = "lost_bits" if "lost_bits" in allowed else "unknown"
+            gain = samples * bits * np.log(2.0)
+            bit: dict[str, tuple[int, float]] = {"bits": (bits, 0.0)} if effect != "unknown" else {}
+            yield Finding(
+                effect,
+                name,
+                ("*",),
+                gain - np.log(MOST_BITS),
+                2.0 * gain,
+                bit,
+                share,
+                "codes",
+                "electronics",
+                "codes",
+            )
+
+
+def zero_bits(runs: Sequence[FullRate], i: int) -> int:
+    """How many lowest bits of gyro i's counts are always 0: in all but a few counts, and in more than by
+    chance.
+    """
+    total = sum(float(run.ends[i, 0]) for run in runs)
+    if total < 32:
+        return 0
+    shares = [sum(float(run.ends[i, m]) for run in runs) / total for m in range(MOST_BITS + 1)]
+    found = [m for m in range(1, MOST_BITS + 1) if shares[m] > 0.95]
+    return max(found, default=0)
+
+
+def _reach(runs: Sequence[FullRate], i: int) -> float:
+    """Ln likelihood of spurious counts as even over +-2^30 against even in their logarithm."""
+    counts = np.concatenate([np.abs(run.spurious_counts[i].astype(float)) for run in runs])
+    if not counts.size:
+        return 0.0
+    even = np.where(counts <= _SPIKE_REACH, -np.log(2.0 * _SPIKE_REACH), -40.0)
+    in_log = -np.log(2.0 * np.maximum(counts, 1.0) * np.log(2.0**31))
+    return float(np.clip(np.sum(even - in_log), -50.0, 5.0))
+
+
+def stamp_findings(runs: Sequence[FullRate], allowed: frozenset[str]) -> Iterator[Finding]:
+    """A clock that runs fast or slow, the same in all runs; or stamps that bend."""
+    known = [run for run in runs if np.isfinite(run.stamp_ppm_std)]
+    if not known:
+        return
+    weight = np.array([1.0 / run.stamp_ppm_std**2 for run in known])
+    ppm = np.array([run.stamp_ppm for run in known])
+    slope, std = float(weight @ ppm / weight.sum()), float(weight.sum() ** -0.5)
+    snr2 = (slope / std) ** 2
+    scales = std * np.geomspace(3.0, 1e7, 15)
+    logs = -0.5 * np.log1p((scales / std) ** 2) + 0.5 * snr2 / (1.0 + (std / scales) ** 2)
+    # stamped t / (1 + e): shows -e / (1 + e)
+    error = -slope * 1e-6 / (1.0 + slope * 1e-6) * 1e6
+    effect = "clock_error" if "clock_error" in allowed else "unknown"
+    given = {"ppm": (error, std)} if effect != "unknown" else {}
+    log_b = float(log_mean_exp(logs))
+    yield Finding(effect, ("clock",), ("*",), log_b, snr2, given, 1.0, "stamps", "link", "time_stamps")
+    spread = float(np.sum(weight * (ppm - slope) ** 2)) if len(known) > 1 else 0.0
+    bend = float(sum(run.stamps_bend**2 for run in known))
+    # rounding to whole microseconds is no white noise: only what is far beyond it counts
+    left = max(spread + bend - 50.0 * len(known), 0.0)
+    runs_named = tuple(run.run_id for run in known)
+    log_left = 0.5 * left - 0.5 * len(known) * np.log1p(left) - 3.0
+    yield Finding("unknown", ("clock",), runs_named, log_left, left, {}, 1.0, "stamps", "link", "time_stamps")

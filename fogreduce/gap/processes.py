@@ -1,0 +1,130 @@
+"""Further random processes in a gyro's block means: flicker, a random walk, or one of no catalogue.
+
+In the eigenvectors of the whitened process a residual z has the variance 1 + A^2 d, so that for each size A
+
+    ln B = sum -1/2 ln(1 + A^2 d) + 1/2 z^2 A^2 d / (1 + A^2 d).
+
+Constants of each run are projected out: turn-on biases and scale factors speak for those. A process that
+forgets
+its past after some seconds (a telegraph, say) stands for what the catalogue has not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.gap.blocks import Blocks
+from fogreduce.gap.capture import RunInput
+from fogreduce.gap.evidence import log_mean_exp
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.noise_model import Whitener, process_covariance
+
+Array = NDArray[np.float64]
+
+CATALOGUED = {"bias_instability": ("flicker", "deg_h"), "rate_random_walk": ("walk", "deg_h_sqrt_h")}
+_FORGETS_S = (4.0, 12.0, 40.0)
+_LOWEST, _HIGHEST, _STEPS = 1.5, 3000.0, 40
+
+
+class Processes:
+    """Eigenvectors of every process at every gyro; they hold for any residual under the same whitener."""
+
+    def __init__(self, inputs: Sequence[RunInput], whiten: Whitener) -> None:
+        self.inputs, self.whiten = inputs, whiten
+        self._known: dict[tuple[object, ...], tuple[Array, Array]] = {}
+
+    def findings(self, left: Array, allowed: frozenset[str]) -> Iterator[Finding]:
+        """Every process at every gyro.
+
+        Parameters
+        ----------
+        left : (rows,) array
+            Whitened residual less expected nuisances and causes.
+        allowed : names of effects
+        """
+        n = self.whiten.rows.n
+        for i in range(n):
+            name = (gyro_name(i),)
+            for effect, (kind, parameter) in CATALOGUED.items():
+                log_b, gain, value, std = self._held(left, i, kind)
+                known = effect in allowed
+                yield Finding(
+                    effect if known else "unknown",
+                    name,
+                    ("*",),
+                    log_b,
+                    2.0 * gain,
+                    {parameter: (value, std)} if known else {},
+                    1.0 / n,
+                    "process",
+                    "noise" if known else "gyro",
+                    "low_frequency",
+                    8,
+                )
+            for time in _FORGETS_S:
+                log_b, gain, _, _ = self._held(left, i, f"forgets {time}")
+                share = 1.0 / n / len(_FORGETS_S)
+                yield Finding(
+                    "unknown",
+                    name,
+                    ("*",),
+                    log_b,
+                    2.0 * gain,
+                    {},
+                    share,
+                    "process",
+                    "gyro",
+                    "low_frequency",
+                    8,
+                )
+
+    def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
+        """Ln B, best gain in ln likelihood, best size and its error."""
+        powers, values = [], []
+        for r, one in enumerate(self.inputs):
+            vectors, d = self._eigen(i, r, one.scene.blocks, kind)
+            powers.append((vectors.T @ left[self.whiten.rows.of(i, r)]) ** 2)
+            values.append(d)
+        z2, d = np.concatenate(powers), np.concatenate(values)
+        # sizes from where the process would hardly show to where it drowns everything
+        order = 1.0 / max(float(np.sqrt(np.sum(d**2))), 1e-300)
+        a2 = order * np.geomspace(_LOWEST, _LOWEST * _HIGHEST, _STEPS)
+        grown = a2[:, None] * d
+        logs = np.sum(-0.5 * np.log1p(grown) + 0.5 * z2 * grown / (1.0 + grown), axis=1)
+        k = int(np.argmax(logs))
+        size = float(np.sqrt(a2[k]))
+        inside = min(max(k, 1), _STEPS - 2)
+        h = np.log(a2[1] / a2[0])
+        bend = (logs[inside - 1] - 2.0 * logs[inside] + logs[inside + 1]) / h**2
+        shift = -(logs[inside + 1] - logs[inside - 1]) / (2.0 * h) / bend if bend < 0.0 else 0.0
+        if k == inside:
+            size *= float(np.exp(0.5 * np.clip(shift, -h, h)))
+        std = 0.5 * size / np.sqrt(-bend) if bend < 0.0 else size
+        return float(log_mean_exp(logs)), float(max(logs[k], 0.0)), size, float(std)
+
+    def _eigen(self, i: int, r: int, blocks: Blocks, kind: str) -> tuple[Array, Array]:
+        matrix = self.whiten.filters[i, r]
+        key = (id(matrix), kind)
+        if key not in self._known:
+            covariance = _covariance(kind, blocks)
+            constant = matrix.sum(axis=1)
+            constant = constant / np.linalg.norm(constant)
+            white = matrix @ covariance @ matrix.T
+            part = white @ constant
+            white = white - np.outer(constant, part) - np.outer(part, constant)
+            white += np.outer(constant, constant) * float(constant @ part)
+            values, vectors = np.linalg.eigh(white)
+            some = values > 1e-6 * values[-1]
+            self._known[key] = (vectors[:, some], values[some])
+        return self._known[key]
+
+
+def _covariance(kind: str, blocks: Blocks) -> Array:
+    if not kind.startswith("forgets"):
+        return process_covariance(kind, 1.0, blocks)
+    time = max(float(kind.split()[1]), 2.0 * blocks.length_s)
+    return np.exp(-np.abs(np.subtract.outer(blocks.centre_s, blocks.centre_s)) / time)

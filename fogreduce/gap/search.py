@@ -1,0 +1,292 @@
+"""The search for causes: one, a second beside it, a third; each place in the set then weighed again.
+
+At each depth the best effect of the catalogue is taken in, as long as the odds are for it; the unknown
+competes at
+every depth. Which depth, with or without something unknown, has the most evidence is the verdict's matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.gap.candidates import Builder, Candidate
+from fogreduce.gap.causes import Cause, Model, modelled, refined
+from fogreduce.gap.data import Data
+from fogreduce.gap.evidence import Field, Fit, log_bayes
+from fogreduce.gap.families import families
+from fogreduce.gap.fast import Fast
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
+from fogreduce.gap.processes import Processes
+
+Array = NDArray[np.float64]
+
+#: ln prior odds of a gap at all; of a further cause beside one; of something unknown, any family of it.
+LOG_GAP, LOG_FURTHER, LOG_UNKNOWN = np.log(0.3 / 0.7), np.log(0.1), np.log(0.1)
+MOST_CAUSES = 3
+_NAMES = 40.0  # effects that share the prior evenly
+_FAMILIES = 12.0
+#: How exactly a named effect's shape is taken to be that of the catalogue, relative to its size.
+SHAPE_DOUBT = 0.08
+_GROSS = 150.0  # signal-to-noise ratio from which a cause goes into the chain before others are looked for
+
+
+@dataclass(frozen=True)
+class Option:
+    """Something that may be added: a candidate's fit or a finding, with its evidence and prior."""
+
+    fit: Fit | None
+    finding: Finding | None
+    log_b: float
+    log_prior: float
+
+    @property
+    def source(self) -> Candidate | Finding:
+        """What it comes from."""
+        if self.fit is not None:
+            return self.fit.candidate
+        assert self.finding is not None
+        return self.finding
+
+    @property
+    def known(self) -> bool:
+        """Whether the catalogue has it."""
+        return self.source.known
+
+    @property
+    def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
+        """Effect, channels, runs, other gyro."""
+        return self.source.key
+
+    @property
+    def score(self) -> float:
+        """Ln of evidence times prior."""
+        return self.log_b + self.log_prior
+
+    @property
+    def q(self) -> float:
+        """Twice the gain in ln likelihood."""
+        if self.fit is not None:
+            return self.fit.q
+        assert self.finding is not None
+        return self.finding.snr2
+
+    def cause(self) -> Cause:
+        """As a cause."""
+        if self.fit is not None:
+            return Cause.of_fit(self.fit)
+        assert self.finding is not None
+        return Cause.of_finding(self.finding)
+
+
+@dataclass
+class State:
+    """A set of causes, and what is left beside them.
+
+    Attributes
+    ----------
+    model : Model
+        Causes that change block means, simulated.
+    causes : list of Cause
+        All of them.
+    field : Field
+        Residual left, in a metric in which their amplitudes are free.
+    """
+
+    model: Model
+    causes: list[Cause]
+    field: Field
+
+
+@dataclass
+class Ground:
+    """What candidates are held against: whitener, metric, residual and the candidates themselves."""
+
+    whiten: Whitener
+    metric: Metric
+    y: Array
+    nominal: Array
+    candidates: list[Candidate]
+    families: list[Candidate]
+    processes: Processes
+
+
+@dataclass
+class Search:
+    """A campaign being diagnosed.
+
+    Parameters
+    ----------
+    data : Data
+    allowed : names of effects
+    """
+
+    data: Data
+    allowed: frozenset[str]
+    fast: Fast = field(init=False)
+    ground: Ground = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.fast = Fast(self.data, self.allowed)
+        self.ground = self._ground(())
+
+    # ------------------------------------------------------------------------------------- ground
+
+    def _ground(self, base: Sequence[Cause]) -> Ground:
+        """Whitened residual and candidates, built about a chain with causes in it; processes whiten."""
+        data = self.data
+        whiten = whitener(data.inputs, data.sizes, self.fast.level, _processes(base))
+        slow = [c for c in base if c.slow]
+        actions = [c.action(data.run_ids, data.n) for c in slow]
+        nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
+        y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
+        metric = Metric.of(whiten(nuisances(data.inputs, actions)))
+        builder = Builder(data.inputs, whiten, actions, self.allowed, data.rails)
+        return Ground(
+            whiten,
+            metric,
+            y,
+            nominal,
+            builder.all(),
+            families(data.inputs, whiten, builder.plain),
+            Processes(data.inputs, whiten),
+        )
+
+    def state(self, causes: Sequence[Cause], refine: bool = True) -> State:
+        """The causes in the chain, fitted together."""
+        g = self.ground
+        slow = [c for c in causes if c.slow]
+        if refine and slow:
+            model = refined(self.data.inputs, slow, g.whiten, g.nominal, g.metric, g.y)
+        else:
+            model = modelled(self.data.inputs, slow, g.whiten, g.nominal)
+        fitted = iter(model.causes)
+        merged = [next(fitted) if c.slow else c for c in causes]
+        return State(model, merged, Field.of(g.metric.beside(model.slopes), g.y - model.change))
+
+    # ------------------------------------------------------------------------------------ options
+
+    def options(self, state: State) -> list[Option]:
+        """Everything that may be added to a set of causes, catalogue and unknown."""
+        out: list[Option] = []
+        taken = {c.key for c in state.causes}
+        for candidate in [*self.ground.candidates, *self.ground.families]:
+            if candidate.key in taken and candidate.known:
+                continue
+            fit = state.field.fit(candidate)
+            out.append(self._slow_option(fit, state))
+        left = state.field.metric.without(state.field.y)
+        findings = [*self.fast.findings(state.causes), *self.ground.processes.findings(left, self.allowed)]
+        slow_low_pass = {
+            o.source.channels: o.log_b
+            for o in out
+            if o.known and o.key[0] == "low_pass" and o.fit is not None
+        }
+        out = [o for o in out if o.key[0] != "low_pass"]
+        for finding in findings:
+            if finding.key in taken and finding.domain != "lines":
+                continue
+            log_b = finding.log_b
+            if finding.effect == "low_pass":
+                log_b += max(slow_low_pass.get(finding.channels, 0.0), 0.0)
+            if finding.domain == "process":
+                log_b = self._doubted(log_b, finding.snr2, 8, state, finding.channels)
+            out.append(Option(None, finding, log_b, _log_prior(finding.known, finding.share)))
+        return out
+
+    def _slow_option(self, fit: Fit, state: State) -> Option:
+        c = fit.candidate
+        k = c.columns.shape[2]
+        log_b = fit.log_b if c.fixed else self._doubted(fit.log_b, fit.q, k, state, c.channels)
+        return Option(fit, None, log_b, _log_prior(c.known, c.share))
+
+    def _doubted(self, log_b: float, q: float, k: int, state: State, channels: Sequence[str]) -> float:
+        """Evidence less what mere departures of the causes found from the catalogue's shape could make."""
+        size = self.size_at(state, channels)
+        if size == 0.0 or q <= 0.0:
+            return log_b
+        less = max(np.sqrt(q) - SHAPE_DOUBT * size, 0.0) ** 2
+        return log_b + float(log_bayes(np.array(less), k) - log_bayes(np.array(q), k))
+
+    def size_at(self, state: State, channels: Sequence[str]) -> float:
+        """Signal-to-noise ratio of the causes that sit at these channels."""
+        change = state.model.change
+        if not change.any():
+            return 0.0
+        rows = self.ground.whiten.rows
+        if any(not name.startswith("gyro") for name in channels):
+            parts = [change]
+        else:
+            parts = [change[rows.of(int(name[4:]) - 1)] for name in channels]
+        return float(np.sqrt(sum(float(part @ part) for part in parts)))
+
+    # -------------------------------------------------------------------------------------- search
+
+    def run(self) -> list[tuple[State, list[Option], float]]:
+        """Sets of no, one, two, three causes: state, options beside them, and ln score of the set."""
+        state = self.state([])
+        options = self.options(state)
+        path = [(state, options, 0.0)]
+        score = 0.0
+        for depth in range(MOST_CAUSES):
+            best = max((o for o in options if o.known), key=lambda o: o.score, default=None)
+            further = LOG_GAP if depth == 0 else LOG_FURTHER
+            if best is None or best.score + further < 0.0:
+                break
+            causes = [*state.causes, best.cause()]
+            score += best.score + further
+            self._settle(causes, best)
+            state = self.state(causes)
+            state, options, change = self._weighed_again(state)
+            score += change
+            path.append((state, options, score))
+        return path
+
+    def _settle(self, causes: Sequence[Cause], best: Option) -> None:
+        """A gross cause goes into the chain, a random process into the noise, before anything else is
+        looked at.
+        """
+        gross = best.fit is not None and best.q > _GROSS**2
+        process = best.finding is not None and best.finding.domain == "process"
+        if gross:
+            causes = self.state(causes).causes
+        if gross or process:
+            self.ground = self._ground(causes)
+
+    def _weighed_again(self, state: State) -> tuple[State, list[Option], float]:
+        """Every cause but the last set against all others in its place; the better one stays."""
+        change = 0.0
+        for k in range(len(state.causes) - 1):
+            if state.causes[k].finding is not None:
+                continue
+            others = [c for j, c in enumerate(state.causes) if j != k]
+            without = self.state(others, refine=False)
+            choice = [o for o in self.options(without) if o.known]
+            now = next((o for o in choice if o.key == state.causes[k].key), None)
+            best = max(choice, key=lambda o: o.score, default=None)
+            if now is not None and best is not None and best.score > now.score + 1.0:
+                change += best.score - now.score
+                causes = [*others[:k], best.cause(), *others[k:]]
+                state = self.state(causes)
+        return state, self.options(state), change
+
+
+def _log_prior(known: bool, share: float) -> float:
+    if known:
+        return float(np.log(share / _NAMES))
+    return float(LOG_UNKNOWN + np.log(share / _FAMILIES))
+
+
+def _processes(causes: Sequence[Cause]) -> dict[tuple[str, int], float]:
+    """Sizes of the random processes among causes, by kind and gyro."""
+    from fogreduce.gap.processes import CATALOGUED
+
+    return {
+        (CATALOGUED[c.effect][0], int(c.channels[0][4:]) - 1): c.parameters()[CATALOGUED[c.effect][1]]
+        for c in causes
+        if c.effect in CATALOGUED
+    }

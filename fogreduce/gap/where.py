@@ -1,0 +1,141 @@
+"""Where a residual departs from nothing: places without a cause, each with its significance.
+
+The most significant family is taken first; what it explains no longer counts for the next. So a place is
+named
+once, and shares add up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaincc, gammaln, log_ndtr, ndtri
+
+from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.evidence import Field
+from fogreduce.gap.findings import Finding
+
+#: Look-elsewhere: how many places a campaign is searched at, as a round number.
+_TRIALS = 300.0
+LEAST_SIGMA = 4.0
+_MOST = 6
+
+
+@dataclass(frozen=True)
+class Place:
+    """One place: the contract's words, its significance, and twice the gain in ln likelihood there."""
+
+    stage: str
+    channels: tuple[str, ...]
+    runs: tuple[str, ...]
+    feature: str
+    sigma: float
+    q: float
+    degrees: int
+    family: Candidate | None = None
+
+
+def log_tail(q: float, k: float) -> float:
+    """Ln of the probability that chi-squared of k degrees exceeds q."""
+    tail = float(gammaincc(k / 2.0, q / 2.0))
+    if tail > 1e-250:
+        return float(np.log(tail))
+    x = q / 2.0
+    return float(-x + (k / 2.0 - 1.0) * np.log(x) - gammaln(k / 2.0) - np.log1p(-(k / 2.0 - 1.0) / x))
+
+
+def deviate(log_p: float) -> float:
+    """The normal deviate whose upper tail has this ln probability; 0 for anything from one half up."""
+    if log_p > np.log(0.5):
+        return 0.0
+    if log_p > -500.0:
+        return float(-ndtri(np.exp(log_p)))
+    z = np.sqrt(-2.0 * log_p)
+    for _ in range(20):
+        # the tail's logarithm falls by nearly z for each unit of z
+        z += (float(log_ndtr(-z)) - log_p) / z
+    return float(z)
+
+
+def significance(q: float, k: int, trials: float = _TRIALS) -> float:
+    """Normal deviate of q with k degrees, found among so many."""
+    return deviate(min(log_tail(max(q, 1e-9), k) + np.log(trials), 0.0))
+
+
+def places(
+    field: Field,
+    families: Sequence[Candidate],
+    findings: Iterable[Finding],
+    run_ids: Sequence[str],
+    doubt: float = 0.0,
+) -> list[Place]:
+    """Significant places, the most significant first.
+
+    Parameters
+    ----------
+    field : Field
+        Residual and metric.
+    families : candidates of no cause
+    findings : of the full rate
+    run_ids : all runs
+    doubt : float
+        Signal-to-noise ratio that departures of known causes from their shape may have.
+    """
+    found: list[Place] = []
+    best: dict[tuple[str, tuple[str, ...]], Place] = {}
+    for finding in findings:
+        q = max(np.sqrt(max(finding.snr2, 0.0)) - (doubt if finding.domain == "process" else 0.0), 0.0) ** 2
+        # evidence has the look-elsewhere of its own grid in it
+        q = min(q, 2.0 * max(finding.log_b, 0.0) + 12.0)
+        sigma = significance(q, finding.degrees)
+        runs = tuple(run_ids) if finding.runs == ("*",) else finding.runs
+        place = Place(finding.stage, finding.channels, runs, finding.feature, sigma, q, finding.degrees)
+        key = (finding.domain, finding.channels)
+        if sigma >= LEAST_SIGMA and (key not in best or best[key].sigma < sigma):
+            best[key] = place
+    processes = [p for (domain, _), p in best.items() if domain == "process"]
+    lines = [p for (domain, _), p in best.items() if domain == "lines"]
+    others = [p for (domain, _), p in best.items() if domain not in ("process", "lines")]
+    if lines:
+        others.append(max(lines, key=lambda p: p.q - 4.0 * (p.stage == "table")))
+    here = field
+    for _ in range(_MOST):
+        top: Place | None = None
+        for family in families:
+            fit = here.fit(family)
+            k = family.columns.shape[2]
+            q = max(np.sqrt(fit.q) - doubt, 0.0) ** 2
+            sigma = significance(q, k)
+            if top is None or sigma > top.sigma:
+                runs = tuple(run_ids) if family.runs == ("*",) else family.runs
+                top = Place(family.stage, family.channels, runs, family.feature, sigma, q, k, family)
+        if top is None or top.sigma < LEAST_SIGMA or top.family is None:
+            break
+        found.append(top)
+        columns = np.zeros((len(here.y), top.degrees))
+        columns[top.family.rows] = top.family.columns[:, 0, :]
+        here = Field.of(here.metric.beside(columns), here.y)
+    # a process at a gyro is named only where it says more than what was found there already
+    for process in processes:
+        same = [p.sigma for p in found if p.channels == process.channels]
+        if not same or process.sigma > max(same):
+            found.append(process)
+    return sorted([*found, *others], key=lambda p: -p.sigma)
+
+
+def document(found: Sequence[Place]) -> list[dict[str, object]]:
+    """As a diagnosis has them; shares of the whole, which sum to at most 1."""
+    total = sum(p.q for p in found)
+    return [
+        {
+            "stage": p.stage,
+            "channels": list(p.channels),
+            "runs": list(p.runs),
+            "feature": p.feature,
+            "sigma": round(p.sigma, 3),
+            "share": round(0.999 * p.q / total, 4),
+        }
+        for p in found
+    ]
