@@ -169,7 +169,8 @@ def manifest_differences(before: Manifest, after: Manifest) -> list[str]:
     lines = [f"input {name}: other bytes" for name in sorted(old) if name in new and old[name] != new[name]]
     lines += [f"input {name}: only in one" for name in sorted(set(old) ^ set(new))]
     if before.calibration != after.calibration:
-        lines.append(f"calibration: {before.calibration.id} -> {after.calibration.id}")
+        old_id, new_id = before.calibration.id, after.calibration.id
+        lines.append(f"calibration: {old_id}" + (f" -> {new_id}" if old_id != new_id else ", other bytes"))
         lines += [
             f"calibration: {line}"
             for line in differences(before.calibration_record, after.calibration_record)

@@ -6,7 +6,7 @@ import platform
 import sys
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Any, TypeGuard
 
 _LIBRARIES = ("h5py", "matplotlib", "numpy", "pydantic", "pyyaml", "scipy", "snakemake", "xarray")
 
@@ -44,8 +44,12 @@ def _version(name: str) -> str | None:
         return None
 
 
+def _texts(value: Any) -> TypeGuard[list[str]]:
+    return isinstance(value, list) and all(isinstance(item, str) for item in value)
+
+
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """What differs between two machines, a line each; none where they are of one kind."""
+    """What differs between two records, of machines for instance, a line each; none where nothing does."""
     lines = []
     for key in sorted({*old, *new}):
         before, after = old.get(key), new.get(key)
@@ -53,7 +57,7 @@ def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
             continue
         if isinstance(before, Mapping) and isinstance(after, Mapping):
             lines += [f"{key}: {line}" for line in differences(before, after)]
-        elif isinstance(before, list) and isinstance(after, list):
+        elif _texts(before) and _texts(after):
             gone, came = sorted(set(before) - set(after)), sorted(set(after) - set(before))
             lines.append(f"{key}: without {' '.join(gone) or 'none'}, with {' '.join(came) or 'none'}")
         else:

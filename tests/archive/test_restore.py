@@ -1,0 +1,181 @@
+"""A bag becomes a working folder again, and what is redone there is held against the bag."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import pytest
+from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
+
+from fogreduce.archive.compare import compare_run, distance_of
+from fogreduce.metadata.yaml12 import load_yaml
+
+
+@pytest.fixture(scope="module")
+def restored(archived, tmp_path_factory):
+    """The bag, restored; not to be changed by a test."""
+    out = tmp_path_factory.mktemp("restored") / "lab"
+    succeed("restore", archived.bag, "--out", out, "--expect", archived.digest)
+    return out
+
+
+def test_every_file_comes_back_as_it_was(archived, restored):
+    for run_id in RUNS:
+        for name in ("run.yaml", "capture.fogcap"):
+            path = Path("campaigns") / CAMPAIGN / "runs" / run_id / name
+            assert sha256_of(restored / path) == sha256_of(archived.root / path)
+        table = Path(CAMPAIGN) / run_id / "tables" / "drift.csv"
+        assert sha256_of(restored / "archived" / table) == sha256_of(archived.results / table)
+    source = Path(__file__).resolve().parents[2]
+    for name in ("Snakefile", "requirements.lock", "pyproject.toml", "workflow/rules/reduction.smk"):
+        assert sha256_of(restored / name) == sha256_of(source / name)
+    assert not (restored / "results").exists()
+
+
+def test_redone_by_the_restored_software_the_tables_are_the_same_bytes(archived, restored, tmp_path):
+    """In a process of its own, whose fogreduce is the restored one."""
+    results = tmp_path / "results"
+    for run_id in RUNS:
+        code = "import sys; from fogreduce.cli.main import main; sys.exit(main(sys.argv[1:]))"
+        command = [sys.executable, "-c", code, "reduce", f"campaigns/{CAMPAIGN}/runs/{run_id}"]
+        command += ["--calibrations", "calibrations", "--out", str(results / CAMPAIGN / run_id)]
+        environment = {**os.environ, "PYTHONPATH": str(restored), "OPENBLAS_NUM_THREADS": "1"}
+        subprocess.run(command, cwd=restored, env=environment, check=True)
+    out = succeed("restore", archived.bag, "--compare", results)
+    for run_id in RUNS:
+        assert re.search(
+            rf"^{CAMPAIGN}/{run_id}: 6 tables, byte for byte .*; datasets equal$", out, re.MULTILINE
+        )
+
+
+@pytest.mark.slow
+def test_redone_by_snakemake_the_tables_are_the_same_bytes(archived, restored, tmp_path):
+    lab = Path(shutil.copytree(restored, tmp_path / "lab"))
+    snakemake = Path(sys.executable).with_name("snakemake")
+    environment = {**os.environ, "PYTHONPATH": str(lab), "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [snakemake, "--cores", "1", "--config", 'figures={"enabled": false}'],
+        cwd=lab,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    out = succeed("restore", archived.bag, "--compare", lab / "results")
+    assert out.count("byte for byte") == len(RUNS)
+    assert out.count("datasets equal") == len(RUNS)
+
+
+def test_a_bag_with_a_fault_is_not_restored(bag, tmp_path):
+    capture = bag / "data/campaigns" / CAMPAIGN / "runs/r1/capture.fogcap"
+    capture.write_bytes(capture.read_bytes()[:-1])
+    status, out, err = call("restore", bag, "--out", tmp_path / "lab")
+    assert status == 2
+    assert str(capture) in err
+    assert out == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["bag"]
+
+
+def test_another_bag_than_expected_is_not_restored(archived, tmp_path):
+    status, _, err = call("restore", archived.bag, "--out", tmp_path / "lab", "--expect", "0" * 64)
+    assert status == 2
+    assert "tagmanifest-sha256.txt" in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_written_over(archived, tmp_path):
+    (tmp_path / "lab").mkdir()
+    status, _, err = call("restore", archived.bag, "--out", tmp_path / "lab")
+    assert status == 2
+    assert "something there already" in err
+
+
+def test_parameters_other_than_the_defaults_come_back(archived, tmp_path):
+    lab = tmp_path / "results"
+    shutil.copytree(archived.results, lab)
+    for run_id in RUNS:
+        run = archived.campaigns / CAMPAIGN / "runs" / run_id
+        out = lab / CAMPAIGN / run_id
+        places = ["--calibrations", archived.calibrations, "--out", out]
+        succeed("reduce", run, *places, "--parameters", '{"edge_guard_s": 2.5}')
+        succeed("checksums", out)
+    places = ["--campaigns", archived.campaigns, "--calibrations", archived.calibrations]
+    succeed("archive", lab, *places, "--out", tmp_path / "bags")
+    succeed("restore", tmp_path / "bags" / CAMPAIGN, "--out", tmp_path / "lab")
+    settings = load_yaml(tmp_path / "lab" / "workflow" / "config.yaml")
+    assert settings["reduction"]["edge_guard_s"] == 2.5
+    kept = tmp_path / "bags" / CAMPAIGN / "data" / "results" / CAMPAIGN / "r1" / "versions"
+    assert [path.name[:2] for path in kept.iterdir()] == ["1-"]
+
+
+def changed(archived, tmp_path, name, change):
+    """A copy of a run's results with one table's text changed."""
+    new = tmp_path / "new"
+    shutil.copytree(archived.results / CAMPAIGN / "r1", new)
+    table = new / "tables" / name
+    table.write_text(change(table.read_text()))
+    return compare_run(archived.results / CAMPAIGN / "r1", new)
+
+
+def test_a_last_digit_is_within_the_tolerance(archived, tmp_path):
+    row = (archived.results / CAMPAIGN / "r1" / "tables" / "drift.csv").read_text().splitlines()[1].split(",")
+    value, error = float(row[5]), float(row[6])
+    near = f"{value + 1e-7 * error:.15g}"
+    found = changed(archived, tmp_path, "drift.csv", lambda text: text.replace(row[5], near))
+    assert found.differing == ("drift.csv",)
+    assert found.faults == ()
+    assert 0.5e-7 < found.worst < 2e-7
+
+
+def test_more_than_that_is_a_fault_that_names_the_cell(archived, tmp_path):
+    row = (archived.results / CAMPAIGN / "r1" / "tables" / "drift.csv").read_text().splitlines()[1].split(",")
+    value, error = float(row[5]), float(row[6])
+    far = f"{value + 1e-5 * error:.15g}"
+    found = changed(archived, tmp_path, "drift.csv", lambda text: text.replace(row[5], far))
+    assert [fault.where for fault in found.faults] == ["x@1:drift_deg_h"]
+    assert found.faults[0].file.endswith("new/tables/drift.csv")
+
+
+def test_a_count_that_differs_is_a_fault(archived, tmp_path):
+    found = changed(archived, tmp_path, "quality.csv", lambda text: text.replace("1120", "1121", 1))
+    assert [fault.where for fault in found.faults] == ["records:count"]
+
+
+def test_a_row_that_is_missing_is_a_fault(archived, tmp_path):
+    found = changed(archived, tmp_path, "drift.csv", lambda text: text[: text.rindex("z,")])
+    assert [fault.found for fault in found.faults] == ["other rows or columns"]
+
+
+def test_a_dataset_that_differs_in_one_value_is_named(archived, tmp_path):
+    new = tmp_path / "new"
+    shutil.copytree(archived.results / CAMPAIGN / "r1", new)
+    with h5py.File(new / "datasets" / "project.nc", "r+") as file:
+        file["axis_rate"][1, 500] += 1e-12
+    found = compare_run(archived.results / CAMPAIGN / "r1", new)
+    assert found.datasets == "project.nc: values of axis_rate differ"
+    with h5py.File(new / "datasets" / "project.nc", "r+") as file:
+        file.attrs["comment"] = "only this differs"
+        file["axis_rate"][1, 500] = h5py.File(archived.results / CAMPAIGN / "r1/datasets/project.nc")[
+            "axis_rate"
+        ][1, 500]
+    assert compare_run(archived.results / CAMPAIGN / "r1", new).datasets == "equal"
+
+
+def test_results_of_a_run_that_are_missing(archived, tmp_path):
+    shutil.copytree(archived.results / CAMPAIGN / "r1", tmp_path / "results" / CAMPAIGN / "r1")
+    status, _, err = call("restore", archived.bag, "--compare", tmp_path / "results")
+    assert status == 2
+    assert "r2" in err
+
+
+def test_distances():
+    assert distance_of("1.0", "1.5", ["0.25", "0.5"]) == 2.0
+    assert distance_of("x", "y", []) == float("inf")
+    assert distance_of("", "1", []) == float("inf")
+    assert distance_of("100", "101", []) > 1e-6
+    assert distance_of("0", "0.0", []) == float("inf")
