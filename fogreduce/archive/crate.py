@@ -91,7 +91,7 @@ def _root(contents: Contents, paths: Iterable[str]) -> Entity:
         "conformsTo": references(_PROFILES),
         "hasPart": [{"@id": file_id(path)} for path in paths],
         "mainEntity": {"@id": WORKFLOW},
-        "mentions": [{"@id": _action_id(run)} for run in contents.runs],
+        "mentions": references(map(_action_id, contents.runs)),
     }
 
 
@@ -100,23 +100,22 @@ def file_id(path: str) -> str:
     return quote(path)
 
 
-def references(ids: Iterable[str]) -> list[Entity]:
-    """References to entities, in the order given."""
-    return [{"@id": name} for name in ids]
+def references(ids: Iterable[str]) -> list[Entity] | Entity:
+    """References to entities, in the order given; a single one stands without a list."""
+    found = [{"@id": name} for name in ids]
+    return found[0] if len(found) == 1 else found
 
 
 def _file(path: str, digest: str, size: int) -> Entity:
-    entity: Entity = {
+    suffix = path[path.rfind(".") :] if "." in path.rpartition("/")[2] else ""
+    return {
         "@id": file_id(path),
         "@type": "File",
         "name": path,
         "contentSize": str(size),
         "sha256": digest,
+        "encodingFormat": _FORMATS.get(suffix, "text/plain"),
     }
-    suffix = path[path.rfind(".") :] if "." in path.rpartition("/")[2] else ""
-    if suffix in _FORMATS:
-        entity["encodingFormat"] = _FORMATS[suffix]
-    return entity
 
 
 def _software(

@@ -62,6 +62,7 @@ def manifest(run_dir: Path, calibrations_dir: Path, parameters: Mapping[str, Any
         "parameters": ReductionConfig.from_data(dict(parameters), "--parameters").model_dump(mode="json"),
         "run": run.model_dump(mode="json", exclude_none=True),
         "calibration_record": record.model_dump(mode="json", exclude_none=True),
+        "stated_uncertainty": record.stated_uncertainty.model_dump(mode="json"),
     }
     return {"schema": MANIFEST_SCHEMA, "version_id": data_digest(body)[:_ID_DIGITS], **body}
 

@@ -7,6 +7,8 @@ import json
 import shutil
 from pathlib import Path
 
+from fogreduce.archive.digest import code_digest
+from fogreduce.archive.software import code_digest_of, source_files, source_folder
 from fogreduce.cli.main import main
 from fogreduce.metadata.yaml12 import dump_yaml
 
@@ -74,6 +76,7 @@ class ArchivedLab:
         self.calibrations = root / "calibrations"
         self.results = root / "results"
         self.bag = root / "bags" / CAMPAIGN
+        self.source = root / "source"
         (self.calibrations / "TETRA-01").mkdir(parents=True)
         (self.calibrations / "TETRA-01" / "2012a.yaml").write_text(dump_yaml(RECORD))
         plan = root / "plan" / CAMPAIGN
@@ -84,9 +87,28 @@ class ArchivedLab:
         (plan / "campaign.yaml").write_text(dump_yaml({"title": "two runs, made up for tests"}))
         made = self.campaigns / CAMPAIGN
         succeed("simulate", plan, "--calibrations", self.calibrations, "--out", made)
-        for run_id in RUNS:
-            self.reduce(run_id)
+        # In a tree that others work in, a source file may change at any moment: until one code did it all.
+        for _ in range(5):
+            self._copy_source()
+            for run_id in RUNS:
+                self.reduce(run_id)
+            if code_digest() == self.code():
+                break
         self.digest = self.archive(root / "bags")
+
+    def _copy_source(self):
+        shutil.rmtree(self.source, ignore_errors=True)
+        shutil.rmtree(self.results, ignore_errors=True)
+        here = source_folder(None)
+        for name in source_files(here):
+            (self.source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(here / name, self.source / name)
+
+    def code(self):
+        """Hash of the code that is archived."""
+        package = self.source / "fogreduce"
+        sources = {path.relative_to(package).as_posix(): sha256_of(path) for path in package.rglob("*.py")}
+        return code_digest_of(sources)
 
     def reduce(self, run_id, *more):
         """Reduce a run into the results, and take its checksums."""
@@ -98,7 +120,7 @@ class ArchivedLab:
 
     def arguments(self, out):
         """Arguments that archive the results into a folder."""
-        places = ["--campaigns", self.campaigns, "--calibrations", self.calibrations]
+        places = ["--campaigns", self.campaigns, "--calibrations", self.calibrations, "--source", self.source]
         return ["archive", self.results, *places, "--out", out]
 
     def archive(self, out):

@@ -101,15 +101,44 @@ def test_a_capture_that_changed_since_is_refused(archived, tmp_path):
 
 def test_another_code_than_the_results_is_refused(archived, tmp_path):
     source = tmp_path / "source"
-    root = source_folder(None)
-    for name in source_files(root):
-        (source / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(root / name, source / name)
+    shutil.copytree(archived.source, source)
     edit(source / "fogreduce" / "units.py", b"", b"# another\n")
-    status, _, err = call(*archived.arguments(tmp_path / "bags"), "--source", source)
+    arguments = [source if a == archived.source else a for a in archived.arguments(tmp_path / "bags")]
+    status, _, err = call(*arguments)
     assert status == 2
     assert "code_sha256" in err
     assert not list((tmp_path / "bags").rglob("*"))
+
+
+@pytest.mark.parametrize("name", ["Snakefile", "requirements.lock"])
+def test_a_source_that_is_not_whole_is_refused(archived, tmp_path, name):
+    source = tmp_path / "source"
+    shutil.copytree(archived.source, source)
+    (source / name).unlink()
+    status, _, err = call(*archived.arguments(tmp_path / "bags"), "--source", source)
+    assert status == 2
+    assert f"no {name}" in err
+
+
+def test_bags_named_by_their_digest_stay(archived, tmp_path):
+    name = f"{CAMPAIGN}-{archived.digest[:12]}"
+    for _ in range(2):
+        out = succeed(*archived.arguments(tmp_path), "--by-digest")
+        assert out.split() == [archived.digest, str(tmp_path / name)]
+        assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert succeed("verify", tmp_path / name, "--expect", archived.digest)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [(["--only", "c2"], "c2"), (["--only", ""], "--only"), (["--campaigns", "nowhere"], "run.yaml")],
+)
+def test_what_is_not_there(archived, tmp_path, more, said):
+    status, out, err = call(*archived.arguments(tmp_path / "bags"), *more)
+    assert status == 2
+    assert said in err
+    assert "Traceback" not in err
+    assert out == ""
 
 
 def test_a_bag_is_never_written_over(archived):

@@ -105,6 +105,7 @@ def test_the_archive_holds_all_versions(twice, archived):
     root, _, before = twice
     shutil.rmtree(root / "results" / CAMPAIGN / "r2")
     places = ["--campaigns", archived.campaigns, "--calibrations", root / "calibrations"]
+    places += ["--source", archived.source]
     succeed("archive", root / "results", *places, "--out", root / "bags")
     bag = root / "bags" / CAMPAIGN
     assert verify(bag).faults == ()
