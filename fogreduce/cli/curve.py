@@ -66,16 +66,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _segments(setup: Setup, fits: dict[str, Any], channel: str) -> list[tuple[Segment, Any, Any, Any]]:
     """Each segment with the linear fit of the channel in it, and the times and values that this rests on."""
-    from fogreduce.stages.fit import Fit
+    from fogreduce.stages.run import fit_of
 
     time_s, values = _usable(setup, channel)
-    chooser: Fit = Fit(
-        setup.facts,
-        setup.gyros + setup.axes,
-        time_s.size,
-        setup.block_records,
-        setup.parameters["edge_guard_s"],
-    )
+    chooser = fit_of(setup, time_s.size)
     found = []
     for segment, plain in zip(chooser.segments, fits["segments"], strict=True):
         linear = next((item for item in plain["channels"] if item and item["channel"] == channel), None)

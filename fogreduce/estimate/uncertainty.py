@@ -8,9 +8,9 @@ not in it: that is the curve's own covariance.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from fogreduce.estimate.mean_curve import CurveBasis, integral_terms
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates, gyro_rates_from_axis_rates
 from fogreduce.physics.earth_rate import add_earth_rate
-from fogreduce.physics.frames import DIRECTIONS_ENU, rotation
+from fogreduce.physics.frames import DIRECTIONS_ENU, across, rotation
 from fogreduce.physics.table_motion import Profile, table_rates
 
 if TYPE_CHECKING:
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_GRID = 512  # times a segment on which departures are worked out: they change no faster than the table turns
-_GRID_A_TURN = 24
+_GRID = 512  # times a segment at which departures are worked out
+_GOLDEN = (5**0.5 - 1) / 2  # steps of this part of a segment fill it evenly and never beat with its turns
 
 
 @dataclass(frozen=True)
@@ -55,15 +55,19 @@ class StatedErrors:
     @classmethod
     def of(cls, run: Run, record: CalibrationRecord) -> StatedErrors:
         """From the metadata models, the project's defaults where the record is silent."""
-        stated = record.stated_uncertainty
+        return cls.of_plain(run.model_dump(mode="json"), record.stated_uncertainty.model_dump(mode="json"))
+
+    @classmethod
+    def of_plain(cls, run: Mapping[str, Any], stated: Mapping[str, Any]) -> StatedErrors:
+        """From run.yaml and a record's stated uncertainties as plain, validated data, defaults filled in."""
         return cls(
-            np.array(stated.scale_factor_rel, float),
-            np.array(stated.bias_V, float),
-            np.array(stated.axis_rad, float),
-            np.array(stated.turn_on_bias_deg_h, float),
-            run.azimuth_uncertainty_deg,
-            run.site.latitude_uncertainty_deg,
-            run.table.rate_uncertainty_ppm,
+            np.array(stated["scale_factor_rel"], float),
+            np.array(stated["bias_V"], float),
+            np.array(stated["axis_rad"], float),
+            np.array(stated["turn_on_bias_deg_h"], float),
+            float(run["azimuth_uncertainty_deg"]),
+            float(run["site"]["latitude_uncertainty_deg"]),
+            float(run["table"]["rate_uncertainty_ppm"]),
         )
 
 
@@ -129,10 +133,9 @@ def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int) -> Ar
     edges = facts.profile.edges_s
     start, stop = float(edges[segment - 1]), float(edges[segment])
     rate = float(facts.profile.rate_deg_s[segment - 1])
-    turns = abs(rate) * (stop - start) / 360.0
-    cells = max(_GRID, int(_GRID_A_TURN * turns))
-    # Middles of cells: none lies on an edge, where the rate would be another segment's.
-    time_s = start + (stop - start) * (np.arange(cells) + 0.5) / cells
+    # A departure is a sum of 1, cos(alpha) and sin(alpha), which the curve holds: any even choice of times
+    # within the segment finds its coefficients.
+    time_s = start + (stop - start) * np.sort((0.5 + _GOLDEN * np.arange(_GRID)) % 1.0)
     basis = CurveBasis.of(start, stop, rate)
     columns = basis.columns(time_s)
     to_theta = basis.to_theta @ np.linalg.inv(columns @ columns.T) @ columns
@@ -151,14 +154,6 @@ def _axis_rates(facts: RunFacts, time_s: Array) -> Array:
     """What the axes read in all, Earth's rate in it: (3, N) [deg/s]."""
     table = table_rates(facts.profile, facts.table_axis, facts.frame_signs, time_s)
     return add_earth_rate(table, facts.earth, facts.profile.angle_at(time_s))
-
-
-def across(axis: Array) -> tuple[Array, Array]:
-    """Two unit vectors at right angles to `axis` and to each other."""
-    along = axis / np.linalg.norm(axis)
-    first = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
-    first /= np.linalg.norm(first)
-    return first, np.cross(along, first)
 
 
 Change = Callable[[RunFacts, float], RunFacts]

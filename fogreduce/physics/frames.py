@@ -42,6 +42,14 @@ def rotation(axis: Array, angle_rad: float) -> Array:
     return np.eye(3) + np.sin(angle_rad) * cross + (1.0 - np.cos(angle_rad)) * (cross @ cross)
 
 
+def across(axis: Array) -> tuple[Array, Array]:
+    """Two unit vectors at right angles to `axis` and to each other."""
+    along = axis / np.linalg.norm(axis)
+    first = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    first /= np.linalg.norm(first)
+    return first, np.cross(along, first)
+
+
 def turn_about_axis(axis: Array, vector: Array) -> tuple[Array, Array, Array]:
     """A vector fixed in the room as the turning unit sees it, split by how it depends on the angle.
 

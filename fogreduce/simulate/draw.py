@@ -16,18 +16,10 @@ from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.effects_file import EffectEntry
 from fogreduce.metadata.run import Run
+from fogreduce.physics.frames import across
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
-
-
-def across(axis: Array) -> tuple[Array, Array]:
-    """Two unit vectors at right angles to `axis` and to each other."""
-    along = axis / np.linalg.norm(axis)
-    helper = np.eye(3)[int(np.argmin(np.abs(along)))]
-    first = np.cross(along, helper)
-    first /= np.linalg.norm(first)
-    return first, np.cross(along, first)
 
 
 def draw_uncertainties(

@@ -22,8 +22,7 @@ from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.effects_file import EffectEntry
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.yaml12 import load_yaml
-from fogreduce.physics.frames import AXES
-from fogreduce.simulate.draw import across
+from fogreduce.physics.frames import AXES, across
 from fogreduce.simulate.nominal_noise import NoiseCoefficients
 from fogreduce.simulate.orbit import (
     ORBIT_S,

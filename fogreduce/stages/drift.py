@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 DRIFT = "axis,duration_s,nominal_deg,final_angle_deg,accumulated_error_deg,drift_deg_h"
 DRIFT_COLUMNS = (
     f"{DRIFT},drift_err_deg_h,drift_err_coloured_deg_h,accumulated_err_deg,accumulated_err_coloured_deg,"
-    "segment,version_id"
+    "drift_err_stated_deg_h,accumulated_err_stated_deg,segment,version_id"
 ).split(",")
 
 
@@ -46,13 +47,34 @@ def drift_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
     return terms
 
 
-def accumulated_error(segment: Mapping[str, Any], item: Mapping[str, Any]) -> tuple[float, float, float]:
-    """Accumulated error of an axis over a segment [deg], its white and its coloured standard error."""
+@dataclass(frozen=True)
+class AccumulatedError:
+    """Accumulated error over a segment [deg] and its standard errors [deg].
+
+    `white` is that of white noise, `coloured` that of the noise which the residuals show, `stated` what
+    calibration record and run.yaml state as uncertain, noise not in it. NaN: not known.
+    """
+
+    value: float = math.nan
+    white: float = math.nan
+    coloured: float = math.nan
+    stated: float = math.nan
+
+
+def accumulated_error(segment: Mapping[str, Any], item: Mapping[str, Any]) -> AccumulatedError:
+    """Accumulated error of an axis over a segment."""
     terms = drift_terms(segment["start_s"], segment["stop_s"], item["rate_rad_s"])
-    white = math.sqrt(terms @ np.array(item["covariance"]) @ terms)
-    coloured = item["coloured_covariance"]
-    wide = math.nan if coloured is None else math.sqrt(max(0.0, terms @ np.array(coloured) @ terms))
-    return float(terms @ np.array(item["theta"])), white, wide
+
+    def error(key: str) -> float:
+        covariance = item[key]
+        return math.nan if covariance is None else math.sqrt(max(0.0, terms @ np.array(covariance) @ terms))
+
+    return AccumulatedError(
+        float(terms @ np.array(item["theta"])),
+        error("covariance"),
+        error("coloured_covariance"),
+        error("stated_covariance"),
+    )
 
 
 def adjusted_curve(
@@ -67,48 +89,52 @@ def adjusted_curve(
 def drift_rows(
     facts: RunFacts, fits: Mapping[str, Any], axes: list[str], version_id: str
 ) -> list[list[Cell]]:
-    """Rows of drift.csv: each segment, and the whole run where there are several; none without axes."""
+    """Rows of drift.csv: each segment, and the whole run where there are several; none without axes.
+
+    The whole run's errors take the noise of the segments as independent, and what is stated as common to all.
+    """
     rows: list[list[Cell]] = []
-    whole: dict[str, list[tuple[float, ...]]] = {axis: [] for axis in axes}
+    whole: dict[str, list[AccumulatedError]] = {axis: [] for axis in axes}
+    signs = dict(zip(axes, facts.commanded_signs.tolist(), strict=False))
     for segment in fits["segments"]:
         found = {item["channel"]: item for item in segment["channels"] if item is not None}
         duration = segment["stop_s"] - segment["start_s"]
-        for sign, axis in zip(facts.commanded_signs.tolist(), axes, strict=False):
-            nominal = sign * segment["rate_deg_s"] * duration
-            parts = accumulated_error(segment, found[axis]) if axis in found else (math.nan,) * 3
-            whole[axis].append((nominal, *parts))
-            rows.append(_row(axis, duration, nominal, *parts, segment["segment"], version_id))
-    if len(fits["segments"]) > 1:
-        duration = fits["segments"][-1]["stop_s"]
         for axis in axes:
-            nominal, error, white, coloured = np.array(whole[axis]).T
-            sums = float(error.sum()), float(np.hypot.reduce(white)), float(np.hypot.reduce(coloured))
-            rows.append(_row(axis, duration, float(nominal.sum()), *sums, "all", version_id))
+            nominal = signs[axis] * segment["rate_deg_s"] * duration
+            error = accumulated_error(segment, found[axis]) if axis in found else AccumulatedError()
+            whole[axis].append(error)
+            rows.append(_row(axis, duration, nominal, error, segment["segment"], version_id))
+    if len(fits["segments"]) > 1:
+        turned = float(facts.profile.edge_angles_deg[-1])
+        for axis in axes:
+            parts = whole[axis]
+            error = AccumulatedError(
+                math.fsum(part.value for part in parts),
+                math.hypot(*(part.white for part in parts)),
+                math.hypot(*(part.coloured for part in parts)),
+                math.fsum(part.stated for part in parts),
+            )
+            rows.append(_row(axis, facts.profile.end_s, signs[axis] * turned, error, "all", version_id))
     return rows
 
 
 def _row(
-    axis: str,
-    duration: float,
-    nominal: float,
-    error: float,
-    white: float,
-    coloured: float,
-    segment: int | str,
-    version_id: str,
+    axis: str, duration: float, nominal: float, error: AccumulatedError, segment: int | str, version_id: str
 ) -> list[Cell]:
     per_hour = SECONDS_PER_HOUR / duration
     return [
         axis,
         duration,
         nominal + 0.0,
-        nominal + error,
-        error,
-        error * per_hour,
-        white * per_hour,
-        coloured * per_hour,
-        white,
-        coloured,
+        nominal + error.value,
+        error.value,
+        error.value * per_hour,
+        error.white * per_hour,
+        error.coloured * per_hour,
+        error.white,
+        error.coloured,
+        error.stated * per_hour,
+        error.stated,
         segment,
         version_id,
     ]

@@ -21,6 +21,7 @@ from fogreduce.estimate.coloured import (
     fit_noise,
 )
 from fogreduce.estimate.mean_curve import CurveBasis, CurveFit, CurveSums, curve
+from fogreduce.estimate.uncertainty import StatedErrors, stated_covariance
 from fogreduce.estimate.unstable import Unstable, unstable_intervals
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.stages.ingest import usable_gyros
@@ -48,12 +49,26 @@ class Segment:
 
 @dataclass(frozen=True)
 class ChannelFit:
-    """A fitted curve with its coloured covariance and the noise that this rests on (None: too few bins)."""
+    """A fitted curve and what its coefficients' covariance is by other accounts.
+
+    Attributes
+    ----------
+    channel : str
+    curve : CurveFit
+        With the covariance of white noise.
+    coloured : (4, 4) array or None
+        Covariance of coloured noise; None where there are too few bins to tell.
+    noise : ColouredNoise or None
+        What `coloured` rests on.
+    stated : (4, 4) array or None
+        Covariance that the stated uncertainties allow, noise not in it; None for a gyro's raw volts.
+    """
 
     channel: str
     curve: CurveFit
     coloured: Array | None
     noise: ColouredNoise | None
+    stated: Array | None
 
 
 @dataclass(frozen=True)
@@ -79,6 +94,8 @@ class Fit:
     n_records : int
         Records of the capture, for the size of a bin.
     block_records : int
+    stated : StatedErrors
+        What run.yaml and calibration record state as uncertain.
     guard_s : float
         Left out on both sides of an edge between two rates [s].
     """
@@ -87,6 +104,7 @@ class Fit:
     channels: list[str]
     n_records: int
     block_records: int
+    stated: StatedErrors
     guard_s: float
     _gyro_bins: list[Bins] = field(default_factory=list)
     _axis_bins: list[Bins] = field(default_factory=list)
@@ -165,12 +183,20 @@ class Fit:
                 segment.start_s,
                 segment.stop_s,
                 segment.rate_deg_s,
-                [self._channel_fit(segment, channel, bins) for channel in range(len(self.channels))],
+                self._channel_fits(segment, bins),
             )
             for segment in self.segments
         ]
 
-    def _channel_fit(self, segment: Segment, channel: int, bins: Bins) -> ChannelFit | None:
+    def _channel_fits(self, segment: Segment, bins: Bins) -> list[ChannelFit | None]:
+        stated: list[Array | None] = [None] * self.facts.n_gyros
+        if len(self.channels) > len(stated):
+            stated += list(stated_covariance(self.facts, self.stated, segment.number))
+        return [self._channel_fit(segment, channel, bins, item) for channel, item in enumerate(stated)]
+
+    def _channel_fit(
+        self, segment: Segment, channel: int, bins: Bins, stated: Array | None
+    ) -> ChannelFit | None:
         n = self.facts.n_gyros
         fitted = segment.gyros.fit(channel) if channel < n else segment.axes.fit(channel - n)
         if fitted is None:
@@ -179,7 +205,7 @@ class Fit:
         inside = self._holds(segment, time_s)
         mean = bins.mean[channel][inside]
         if np.count_nonzero(np.isfinite(mean)) < _LEAST_BINS:
-            return ChannelFit(self.channels[channel], fitted, None, None)
+            return ChannelFit(self.channels[channel], fitted, None, None, stated)
         time_s = time_s[inside]
         columns = segment.basis.columns(time_s)
         # A bin's mean of the sine is its middle value times sinc of half the turn within the bin.
@@ -189,7 +215,8 @@ class Fit:
         noise = fit_noise(*allan_variance(left, self.bin_s))
         covariance = coefficient_covariance(columns, noise, self.bin_s)
         to_theta = segment.basis.to_theta
-        return ChannelFit(self.channels[channel], fitted, to_theta @ covariance @ to_theta.T, noise)
+        coloured = to_theta @ covariance @ to_theta.T
+        return ChannelFit(self.channels[channel], fitted, coloured, noise, stated)
 
 
 def _mended(time_s: Array, flag: NDArray[np.uint8]) -> Array:
@@ -239,6 +266,7 @@ def _plain_channel(item: ChannelFit) -> dict[str, Any]:
         "has_sine": item.curve.has_sine,
         "rate_rad_s": item.curve.rate_rad_s,
         "coloured_covariance": None if item.coloured is None else item.coloured.tolist(),
+        "stated_covariance": None if item.stated is None else item.stated.tolist(),
         "noise": None
         if noise is None
         else {"white": noise.white, "flicker": noise.flicker, "walk": noise.walk},

@@ -55,7 +55,7 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records:
     reader = _open_capture(setup, run_dir)
     angle = TableAngle(setup, run_dir)
     ingest = Ingest(facts, setup.parameters["outliers"]["threshold_sigma"])
-    fit = _fit(setup, reader.n_records)
+    fit = fit_of(setup, reader.n_records)
     with ExitStack() as stack:
         raw = stack.enter_context(_ingest_writer(setup, run_dir, reader))
         gyro, axis, table = (
@@ -131,7 +131,7 @@ def run_remove_earth(setup: Setup, run_dir: Path | None = None) -> None:
 def run_fit(setup: Setup) -> None:
     """Stage 5: mean curves, bins, unstable intervals."""
     with StageDataset(setup, "ingest") as source, StageDataset(setup, "remove_earth") as reduced:
-        fit = _fit(setup, source.n_records)
+        fit = fit_of(setup, source.n_records)
         rates_by_block: Iterator[Any] = (
             (part["axis_rate"] for _, part in reduced.blocks(("axis_rate",)))
             if setup.axes
@@ -208,12 +208,14 @@ def _ingested(setup: Setup, source: StageDataset) -> Iterator[Block]:
         yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, volts)
 
 
-def _fit(setup: Setup, n_records: int) -> Fit:
+def fit_of(setup: Setup, n_records: int) -> Fit:
+    """The fit of a run, nothing added to it yet."""
     return Fit(
         setup.facts,
         setup.gyros + setup.axes,
         n_records,
         setup.block_records,
+        setup.stated_errors,
         setup.parameters["edge_guard_s"],
     )
 
@@ -239,11 +241,10 @@ def _finish_fit(setup: Setup, fit: Fit) -> None:
     write_bins(setup, bins)
     write_json(setup.out / "reports" / "fit.json", fits)
     version = setup.version_id
-    for name, columns, channels in (
-        ("gyro_fit", tables.GYRO_FIT_COLUMNS, setup.gyros),
-        ("rate_fit", tables.RATE_FIT_COLUMNS, setup.axes),
-    ):
-        tables.write_table(setup.table(name), columns, tables.fit_rows(fits, channels, version))
+    gyro_rows = tables.fit_rows(fits, setup.gyros, ("coloured",), version)
+    tables.write_table(setup.table("gyro_fit"), tables.GYRO_FIT_COLUMNS, gyro_rows)
+    rate_rows = tables.fit_rows(fits, setup.axes, ("coloured", "stated"), version)
+    tables.write_table(setup.table("rate_fit"), tables.RATE_FIT_COLUMNS, rate_rows)
     tables.write_table(
         setup.table("unstable"),
         ["gyro", "start_s", "stop_s", "noise_ratio", "version_id"],

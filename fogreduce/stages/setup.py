@@ -17,6 +17,7 @@ from fogreduce.constants import MANIFEST_SCHEMA, MICROSECONDS_PER_SECOND
 from fogreduce.datasets.logs import TableLog, read_table_log
 from fogreduce.datasets.store import Storage
 from fogreduce.errors import BadInput
+from fogreduce.estimate.uncertainty import StatedErrors
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.frames import AXES
 
@@ -60,6 +61,11 @@ class Setup:
     def facts(self) -> RunFacts:
         """The run's metadata and calibration as arrays."""
         return RunFacts.of(self.manifest["run"], self.manifest["calibration_record"])
+
+    @cached_property
+    def stated_errors(self) -> StatedErrors:
+        """What run.yaml and the calibration record state as uncertain, defaults filled in."""
+        return StatedErrors.of_plain(self.manifest["run"], self.manifest["stated_uncertainty"])
 
     @property
     def parameters(self) -> Mapping[str, Any]:

@@ -17,11 +17,20 @@ RATE_FIT = (
     "axis,a_deg_s,a_err_deg_s,b_deg_s,b_err_deg_s,c_rad_s,d_rad,d_err_rad,e_deg_s2,e_err_deg_s2,"
     "sigma_deg_s,records"
 )
-#: Further columns of both, `U` the unit of the channel: errors that allow for coloured residuals.
-_COLOURED = "a_err_coloured_{u},b_err_coloured_{u},d_err_coloured_rad,e_err_coloured_{ut}"
+#: Further columns: errors by other accounts, and where the row belongs.
+_FURTHER = "a_err_{by}_{u},b_err_{by}_{u},d_err_{by}_rad,e_err_{by}_{ut}"
 _PLACE = "segment,start_s,stop_s,table_rate_deg_s,version_id"
-GYRO_FIT_COLUMNS = f"{GYRO_FIT},{_COLOURED.format(u='V', ut='V_s')},{_PLACE}".split(",")
-RATE_FIT_COLUMNS = f"{RATE_FIT},{_COLOURED.format(u='deg_s', ut='deg_s2')},{_PLACE}".split(",")
+GYRO_FIT_COLUMNS = [
+    *GYRO_FIT.split(","),
+    *_FURTHER.format(by="coloured", u="V", ut="V_s").split(","),
+    *_PLACE.split(","),
+]
+RATE_FIT_COLUMNS = [
+    *RATE_FIT.split(","),
+    *_FURTHER.format(by="coloured", u="deg_s", ut="deg_s2").split(","),
+    *_FURTHER.format(by="stated", u="deg_s", ut="deg_s2").split(","),
+    *_PLACE.split(","),
+]
 
 Cell = str | int | float | None
 
@@ -44,42 +53,44 @@ def cell_text(cell: Cell) -> str:
     return str(cell)
 
 
-def fit_rows(fits: Mapping[str, Any], names: Sequence[str], version_id: str) -> list[list[Cell]]:
+def fit_rows(
+    fits: Mapping[str, Any], names: Sequence[str], accounts: Sequence[str], version_id: str
+) -> list[list[Cell]]:
     """Rows of gyro_fit.csv or rate_fit.csv from the fits (`fogreduce.stages.fit.as_plain`).
 
-    Errors are one standard deviation: `*_err_*` of white noise alone (as the paper's), `*_err_coloured_*`
-    of the white noise, flicker and random walk that the residuals show. Neither includes the stated
-    uncertainties of calibration and site.
+    Errors are one standard deviation. `*_err_*` is that of white noise alone, as the paper's. Of the further
+    accounts, ``coloured`` is that of the white noise, flicker and random walk which the residuals show, and
+    ``stated`` is what calibration record and run.yaml state as uncertain (scale factor, bias, axes, turn-on
+    bias, azimuth, latitude, table rate), noise not in it.
     """
     rows: list[list[Cell]] = []
     for segment in fits["segments"]:
         found = {item["channel"]: item for item in segment["channels"] if item is not None}
-        place: list[Cell] = [
-            segment["segment"],
-            segment["start_s"],
-            segment["stop_s"],
-            segment["rate_deg_s"],
-            version_id,
-        ]
+        place = [segment[key] for key in ("segment", "start_s", "stop_s", "rate_deg_s")]
         for name in names:
-            cells = _fit_cells(found[name]) if name in found else [None] * 10 + [0] + [None] * 4
-            rows.append([name, *cells, *place])
+            item = found.get(name)
+            cells = [None] * 10 + [0] if item is None else _fit_cells(item)
+            further = [cell for account in accounts for cell in _errors(item, f"{account}_covariance")]
+            rows.append([name, *cells, *further, *place, version_id])
     return rows
 
 
 def _fit_cells(item: Mapping[str, Any]) -> list[Cell]:
-    theta, covariance = np.array(item["theta"]), np.array(item["covariance"])
-    coloured = item["coloured_covariance"]
-    a, e = float(theta[0]), float(theta[3])
-    a_err, e_err = (math.sqrt(covariance[k, k]) for k in (0, 3))
+    a, _, _, e = item["theta"]
+    a_err, b_err, d_err, e_err = _errors(item, "covariance")
     sine: list[Cell] = [None] * 5
-    far: list[Cell] = [None] * 4
     if item["has_sine"]:
-        b, b_err, d, d_err = amplitude_and_phase(theta, covariance)
+        b, _, d, _ = amplitude_and_phase(np.array(item["theta"]), np.array(item["covariance"]))
         sine = [b, b_err, item["rate_rad_s"], d, d_err]
-    if coloured is not None:
-        wide = np.array(coloured)
-        far = [math.sqrt(wide[0, 0]), None, None, math.sqrt(wide[3, 3])]
-        if item["has_sine"]:
-            _, far[1], _, far[2] = amplitude_and_phase(theta, wide)
-    return [a, a_err, *sine, e, e_err, item["sigma"], item["records"], *far]
+    return [a, a_err, *sine, e, e_err, item["sigma"], item["records"]]
+
+
+def _errors(item: Mapping[str, Any] | None, key: str) -> list[Cell]:
+    """Standard errors of a, b, d and e by one covariance; None where there is none."""
+    if item is None or item[key] is None:
+        return [None] * 4
+    covariance = np.array(item[key])
+    errors: list[Cell] = [math.sqrt(covariance[0, 0]), None, None, math.sqrt(covariance[3, 3])]
+    if item["has_sine"]:
+        _, errors[1], _, errors[2] = amplitude_and_phase(np.array(item["theta"]), covariance)
+    return errors
