@@ -65,7 +65,7 @@ class UnstableConfig(ConfigModel):
 class ReductionConfig(ConfigModel):
     """Parameters of the reduction; every one of them is part of a result's version."""
 
-    block_records: int = Field(default=65536, ge=1, le=2**26, description="records worked on at a time")
+    block_records: int = Field(default=65536, ge=256, le=2**26, description="records worked on at a time")
     storage: StorageConfig = Field(default=StorageConfig(), description="layout of the datasets")
     outliers: OutliersConfig = Field(default=OutliersConfig(), description="the search for spurious counts")
     unstable: UnstableConfig = Field(

@@ -98,12 +98,23 @@ def summary_tables():
     return [f"{SUMMARY}/{name}.csv" for name in ("drift_all", "rates_all", "failed")]
 
 
+def is_reduced(folder):
+    """Whether a run's drift table is there, and of the version that its manifest says."""
+    manifest, drift = folder / "manifest.json", folder / "tables" / "drift.csv"
+    if not (manifest.exists() and drift.exists()):
+        return False
+    version = json.loads(manifest.read_text())["version_id"]
+    return all(
+        line.endswith(f",{version}") for line in drift.read_text().splitlines()[1:]
+    )
+
+
 def failed_runs():
-    """The runs without a drift table, and the last line of each of their logs."""
+    """The runs that are not reduced, and the last line of each of their logs."""
     lines = ["", "These runs are not reduced:"]
     for campaign, run in RUNS:
         folder = Path(RESULTS) / campaign / run
-        if (folder / "tables" / "drift.csv").exists():
+        if is_reduced(folder):
             continue
         said = [
             line
