@@ -74,7 +74,7 @@ class Blocks:
         """Means over each block of values (..., K) at `time_s`: (..., count)."""
         sizes = np.diff(np.append(self.first, len(self.time_s)))
         means = np.empty((*values.shape[:-1], self.count))
-        np.divide(np.add.reduceat(values, self.first, axis=-1), sizes, out=means)
+        means[...] = np.add.reduceat(values, self.first, axis=-1) / sizes
         return means
 
     def of_samples(self, time_s: Array) -> NDArray[np.intp]:

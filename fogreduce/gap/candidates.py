@@ -22,7 +22,7 @@ from fogreduce.effects.selection import Action, action
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.noise_model import Whitener
-from fogreduce.simulate.draw import across
+from fogreduce.physics.frames import across
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.streams import stream
 

@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 
 #: Parameters in which an effect is not linear, and the relative step of their finite difference.
 _SHAPES = {"tau_s": 1e-3, "time_s": 0.0, "volts": 1e-5, "s": 1e-3}
-_VECTORS = ("mrad", "field", "tip")
+_LARGEST_MRAD = 999.0
+_RISE_S = 1.0  # no step is quite sudden: doubt of its instant [s]
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,8 @@ class Cause:
             out["mrad"] = (t.pop("tip[0]") * self.tips[0] + t.pop("tip[1]") * self.tips[1]).tolist()
         if "mrad[0]" in t:
             out["mrad"] = [t.pop(f"mrad[{k}]") for k in range(3)]
+        if "mrad" in out:
+            out["mrad"] = np.clip(out["mrad"], -_LARGEST_MRAD, _LARGEST_MRAD).tolist()
         out.update(t)
         for p in EFFECTS[self.effect].parameters:
             if p.kind == "number" and isinstance(out.get(p.name), float):
@@ -262,7 +265,10 @@ def _with_std(causes: Sequence[Cause], std: Array) -> tuple[Cause, ...]:
     out, k = [], 0
     for cause in causes:
         if cause.slow:
-            out.append(replace(cause, std={name: float(std[k + j]) for j, name in enumerate(cause.theta)}))
+            own = {name: float(std[k + j]) for j, name in enumerate(cause.theta)}
+            if "time_s" in own:
+                own["time_s"] = float(np.hypot(own["time_s"], _RISE_S))
+            out.append(replace(cause, std=own))
             k += len(cause.theta)
         else:
             out.append(cause)

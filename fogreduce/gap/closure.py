@@ -73,11 +73,15 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     if families or slow:
         nominal = search.ground.nominal
         folds = [_fold(search, parity, causes) for parity in (0, 1)]
-        for fitted, held in ((folds[0], folds[1]), (folds[1], folds[0])):
+        plain = folds
+        if _processes(causes):
+            plain = [_fold(search, parity, [c for c in causes if c.slow]) for parity in (0, 1)]
+        for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
             model = refined(data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y, rounds=3)
             there = modelled(data.inputs, model.causes, held.whiten, nominal)
             features = _features(search, families, there.slopes, held.whiten)
-            one, number = _sum(held.metric, features, held.y)
+            # a random process does not change what is predicted but how far from it one may be
+            one, number = _sum(bare.metric, _features(search, families, there.slopes, bare.whiten), bare.y)
             two, _ = _sum(held.metric, features, held.y - there.change)
             before, after, expected = before + one, after + two, expected + number
             wrong = _placebo(search, slow, fitted, held)
@@ -91,6 +95,9 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         if sums is not None:
             before, after, expected = before + sums[0], after + sums[1], expected + 1.0
             held_out = held_out or "every other run, both ways"
+    if not causes:
+        before = after = sum(p.q + p.degrees for p in found)
+        expected = float(sum(p.degrees for p in found))
     if not before and fast:
         before = sum(c.finding.snr2 + 1.0 for c in fast if c.finding is not None)
         after = expected = float(len(fast))

@@ -14,7 +14,7 @@ from fogreduce.errors import BadInput
 from fogreduce.gap import design, where
 from fogreduce.gap.closure import Closure, measured
 from fogreduce.gap.data import Data, read_data
-from fogreduce.gap.search import SHAPE_DOUBT, Search
+from fogreduce.gap.search import Search
 from fogreduce.gap.verdict import Named, Verdict, judged
 from fogreduce.gap.where import Place
 
@@ -70,7 +70,8 @@ def diagnose(
     allowed = frozenset(EFFECTS) - frozenset(without)
     data = read_data(campaign, calibrations, only, simulated)
     search = Search(data, allowed)
-    nothing, y0 = search.ground, search.state([])
+    nothing = search.ground
+    y0 = search.state([], nothing)
     verdict = judged(search)
     findings = [f for f in search.fast.findings([])]
     left = y0.field.metric.without(y0.field.y)
@@ -167,9 +168,9 @@ def _remainder(search: Search, verdict: Verdict) -> dict[str, Any]:
         )
         log_ps.append(min(where.log_tail(max(option.q, 1e-9), int(k)) + np.log(300.0), 0.0))
     findings = [o.finding for o in options if o.finding is not None]
-    doubt = SHAPE_DOUBT * search.size_at(verdict.state, ["table"])
+    doubt = search.doubt_at(verdict.state, ["table"])
     found = (
-        where.places(verdict.state.field, search.ground.families, findings, search.data.run_ids, doubt)
+        where.places(verdict.state.field, verdict.state.ground.families, findings, search.data.run_ids, doubt)
         if significant
         else []
     )

@@ -24,9 +24,14 @@ Array = NDArray[np.float64]
 HARMONICS = tuple(range(1, 17))
 _MODES = 10
 _TREND = 4
+_DOUBLE = 0.05  # prior of a family that an effect of the catalogue does already
+_POWERS = ("scale_factor_error", "scale_factor_asymmetry", "", "scale_factor_nonlinearity")
+_HEATS = ("temperature_bias", "", "temperature_rate_bias", "temperature_scale_factor")
 
 
-def families(inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array]) -> list[Candidate]:
+def families(
+    inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array], allowed: frozenset[str]
+) -> list[Candidate]:
     """All families.
 
     Parameters
@@ -35,8 +40,10 @@ def families(inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array
     whiten : Whitener
     plain : (n, blocks) arrays
         Predicted readings in each run's blocks [deg/h].
+    allowed : names of effects
+        A family that is just what one of them does has little prior of its own.
     """
-    return [*_of_gyros(inputs, whiten, plain), *_of_table(inputs, whiten)]
+    return [*_of_gyros(inputs, whiten, plain, allowed), *_of_table(inputs, whiten, allowed)]
 
 
 def modes(count: int, first: int, number: int) -> Array:
@@ -71,7 +78,9 @@ def _family(
     )
 
 
-def _of_gyros(inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array]) -> Iterator[Candidate]:
+def _of_gyros(
+    inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array], allowed: frozenset[str]
+) -> Iterator[Candidate]:
     rows, runs = whiten.rows, len(inputs)
     turning = [bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs]
     warm = all(one.scene.temperature is not None for one in inputs)
@@ -86,25 +95,35 @@ def _of_gyros(inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Arra
             return whiten(columns, rows.of(i, r))
 
         each = [np.ones((c, 1)) for c in rows.counts]
-        yield _family(name, here, whiten(_diagonal(each), here)[:, None, :], "mean", "gyro", share=share)
+        single = share * (_lessened("bias_offset", allowed) if runs == 1 else 1.0)
+        yield _family(name, here, whiten(_diagonal(each), here)[:, None, :], "mean", "gyro", share=single)
         for r, one in enumerate(inputs):
             run = (one.facts.run_id,)
             part = rows.of(i, r)
-            yield _family(name, part, of_one_run(r, each[r])[:, None, :], "mean", "gyro", run, share / runs)
+            own = share / runs * _lessened("turn_on_bias", allowed)
+            yield _family(name, part, of_one_run(r, each[r])[:, None, :], "mean", "gyro", run, own)
             slow = of_one_run(r, modes(rows.counts[r], 1, _MODES))[:, None, :]
             yield _family(name, part, slow, "low_frequency", "gyro", run, share / runs)
         trend = [modes(c, 1, _TREND) for c in rows.counts]
         yield _family(name, here, white(trend)[:, None, :], "drift", "gyro", share=share)
-        yield _family(name, here, white([t[:, :1] for t in trend])[:, None, :], "drift", "gyro", share=share)
+        ramp = share * _lessened("bias_ramp", allowed)
+        yield _family(name, here, white([t[:, :1] for t in trend])[:, None, :], "drift", "gyro", share=ramp)
         if runs > 1:
             every = whiten(_diagonal([modes(c, 1, _MODES) for c in rows.counts]), here)[:, None, :]
             yield _family(name, here, every, "low_frequency", "gyro", share=share)
         reading = [p[i] / SECONDS_PER_HOUR / 10.0 for p in plain]
+        if bumps := _bumps(reading):
+            yield _family(name, here, white(bumps)[:, None, :], "rate", "gyro", share=share)
         if any(turning):
             powers = [np.column_stack([m, np.abs(m), m**2, m**3]) for m in reading]
             for k in range(4):
                 yield _family(
-                    name, here, white([p[:, [k]] for p in powers])[:, None, :], "rate", "gyro", share=share
+                    name,
+                    here,
+                    white([p[:, [k]] for p in powers])[:, None, :],
+                    "rate",
+                    "gyro",
+                    share=share * _lessened(_POWERS[k], allowed),
                 )
             waves = white([_waves(one, r) for one, r in zip(inputs, turning, strict=True)])
             for j, harmonic in enumerate(HARMONICS):
@@ -116,7 +135,23 @@ def _of_gyros(inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Arra
             for k in range(4):
                 hot = [_heat(one, m)[:, [k]] for one, m in zip(inputs, reading, strict=True)]
                 if any(np.any(h) for h in hot):
-                    yield _family(name, here, white(hot)[:, None, :], "temperature", "gyro", share=share)
+                    own = share * _lessened(_HEATS[k], allowed)
+                    yield _family(name, here, white(hot)[:, None, :], "temperature", "gyro", share=own)
+
+
+def _lessened(effect: str, allowed: frozenset[str]) -> float:
+    """Share of its prior that a family keeps beside the effect that does the same."""
+    return _DOUBLE if effect in allowed else 1.0
+
+
+def _bumps(reading: Sequence[Array]) -> list[Array]:
+    """Smooth functions of the reading: five cells between its quantiles, (blocks, 5) a run; less their
+    sum.
+    """
+    edges = np.unique(np.quantile(np.concatenate(reading), np.linspace(0.0, 1.0, 6)))
+    if len(edges) < 4:
+        return []
+    return [np.column_stack([np.interp(m, edges, unit) for unit in np.eye(len(edges))[1:]]) for m in reading]
 
 
 def _diagonal(parts: Sequence[Array]) -> Array:
@@ -150,7 +185,7 @@ def _heat(one: RunInput, reading: Array) -> Array:
     return np.column_stack([warmed, warmed**2, slope, warmed * reading])
 
 
-def _of_table(inputs: Sequence[RunInput], whiten: Whitener) -> Iterator[Candidate]:
+def _of_table(inputs: Sequence[RunInput], whiten: Whitener, allowed: frozenset[str]) -> Iterator[Candidate]:
     rows, table, everything = whiten.rows, ("table",), slice(0, whiten.rows.total)
 
     def rotation(shapes: Sequence[Array], direction: Sequence[Array]) -> Array:
@@ -167,7 +202,8 @@ def _of_table(inputs: Sequence[RunInput], whiten: Whitener) -> Iterator[Candidat
         one.scene.blocks.means(one.facts.profile.rate_at(one.scene.blocks.time_s))[:, None] for one in inputs
     ]
     if any(np.any(r) for r in rates):
-        yield _family(table, everything, rotation(rates, axes)[:, None, :], "rate", "table")
+        own = _lessened("table_rate_error", allowed)
+        yield _family(table, everything, rotation(rates, axes)[:, None, :], "rate", "table", share=own)
         waves = [
             _waves(one, bool(np.any(one.facts.profile.rate_deg_s != 0.0))) * np.sign(r.sum() or 1.0)
             for one, r in zip(inputs, rates, strict=True)
@@ -183,8 +219,8 @@ def _of_table(inputs: Sequence[RunInput], whiten: Whitener) -> Iterator[Candidat
             both = np.column_stack([a[:, pair] for a in across])[:, None, :]
             yield _family(table, everything, both, f"harmonic_{harmonic}", "table", share=share)
     for r in range(len(inputs)):
-        own = [np.ones((c, 1)) * float(k == r) for k, c in enumerate(counts)]
-        steady = np.column_stack([rotation(own, [np.eye(3)[k]] * len(inputs)) for k in range(3)])
+        alone = [np.ones((c, 1)) * float(k == r) for k, c in enumerate(counts)]
+        steady = np.column_stack([rotation(alone, [np.eye(3)[k]] * len(inputs)) for k in range(3)])
         run = (inputs[r].facts.run_id,)
         yield _family(table, everything, steady[:, None, :], "mean", "table", run, 1.0 / len(inputs))
     steady = np.column_stack(
@@ -197,6 +233,6 @@ def _of_table(inputs: Sequence[RunInput], whiten: Whitener) -> Iterator[Candidat
 
 def _across(one: RunInput, k: int) -> Array:
     """One of two directions at right angles to the table's axis: Earth's horizontal part shows there."""
-    from fogreduce.simulate.draw import across
+    from fogreduce.physics.frames import across
 
     return across(one.facts.table_axis)[k]

@@ -99,9 +99,17 @@ class Fast:
     def findings(self, causes: Sequence[Cause]) -> list[Finding]:
         """What may be added to the causes."""
         mine = [c.finding for c in causes if c.finding is not None]
-        key = repr(sorted((f.domain, f.channels, f.effect, str(f.parameters)) for f in mine))
+        moved = {name for c in causes if c.effect == "channel_swap" for name in (*c.channels, c.key[3])}
+        key = repr(sorted(moved)) + repr(
+            sorted((f.domain, f.channels, f.effect, str(f.parameters)) for f in mine)
+        )
         if key not in self._cache:
-            self._cache[key] = self._found(mine)
+            self._cache[key] = [
+                # a column that holds another gyro has that one's noise
+                f
+                for f in self._found(mine)
+                if not (f.domain in ("level", "repeats") and moved & set(f.channels))
+            ]
         return self._cache[key]
 
     def _found(self, mine: Sequence[Finding]) -> list[Finding]:

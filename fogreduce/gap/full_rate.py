@@ -22,6 +22,7 @@ PIECE = 256  # samples of a piece of the averaged spectrum
 FIRST_LINE = 4  # lines of a piece's spectrum below this are left out: trends leak there
 MOST_BITS = 16
 LEAST_LINE_HZ = 0.5
+_CALM = 2.0  # times the usual power of a piece: more is an edge or a glitch, not noise
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,12 @@ def _spectrum(filled: Array) -> tuple[int, Array, Array, Array]:
     cut = cut - (cut @ t / (t @ t))[..., None] * t
     first = min(FIRST_LINE, length // 8)
     spectrum = np.fft.rfft(cut, axis=2)[:, :, first:-1] / np.sqrt(length)
+    # a piece with an edge of the profile that came late, or with a glitch, is no noise
+    strength = np.mean(np.abs(spectrum) ** 2, axis=2)
+    usual = np.median(strength, axis=1, keepdims=True)
+    calm = np.all(strength <= _CALM * usual, axis=0)
+    if calm.sum() >= 4:
+        spectrum, pieces = spectrum[:, calm], int(calm.sum())
     power = np.mean(np.abs(spectrum) ** 2, axis=1)
     by_line = spectrum.transpose(2, 0, 1)
     cross = np.real(by_line @ by_line.conj().transpose(0, 2, 1)) / pieces
@@ -173,7 +180,10 @@ def _lines(filled: Array, rate_hz: float) -> tuple[Array, NDArray[np.complex128]
     cut = filled[:, :whole].reshape(n, -1, second)
     t = np.arange(second) - (second - 1) / 2.0
     cut = cut - cut.mean(axis=2, keepdims=True)
-    cut = (cut - (cut @ t / (t @ t))[..., None] * t).reshape(n, whole)
+    cut = cut - (cut @ t / (t @ t))[..., None] * t
+    strength = np.mean(cut**2, axis=2)
+    cut[strength > 4.0 * np.median(strength, axis=1, keepdims=True)] = 0.0
+    cut = cut.reshape(n, whole)
     frequency = np.asarray(np.fft.rfftfreq(padded, 1.0 / rate_hz), np.float64)
     keep = (frequency >= 2.0 * LEAST_LINE_HZ) & (frequency <= 0.49 * rate_hz)
     lines = np.fft.rfft(cut, padded, axis=1)[:, keep] * np.sqrt(2.0 / whole)

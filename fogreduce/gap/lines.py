@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 _SIZES = np.array([4.0, 6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 200.0, 400.0])
 _LEADERS = 60
+_DRIFTS = 0.05  # of a spectrum's resolution: a real line is not quite steady
 
 
 def _log_i0(x: Array) -> Array:
@@ -80,6 +81,7 @@ def line_findings(
         free &= np.abs(hz - line) > 12.0 * step
     count = max(float(free.sum()) / 2.0, 1.0)  # lines that are independent
     samples = max(float(run.samples.max()) for run in usable)
+    duration = samples / facts.sample_rate_hz
     out: list[Finding] = []
     for i in range(n):
         awake = np.array([not run.at_rest[i] for run in usable])
@@ -95,7 +97,10 @@ def line_findings(
             np.sqrt(max(np.mean(moduli[k] ** 2) - 2.0, 0.1)) * white[i] * np.sqrt(2.0 / samples)
         )
         std = float(white[i] * np.sqrt(2.0 / samples / awake.sum()))
-        parameters = {"deg_h": (amplitude, std), "frequency_hz": (float(hz[k]), _hz_std(step, top))}
+        parameters = {
+            "deg_h": (amplitude, std),
+            "frequency_hz": (_peak_hz(hz, np.sum(moduli**2, axis=1), k), _hz_std(duration, top)),
+        }
         effect = "periodic_interference" if "periodic_interference" in allowed else "unknown"
         out.append(
             Finding(
@@ -116,9 +121,22 @@ def line_findings(
     return out
 
 
-def _hz_std(step: float, gain: float) -> float:
-    """Of a line's frequency: the width of a line over its signal-to-noise ratio."""
-    return float(2.0 * step * np.sqrt(6.0) / np.pi / np.sqrt(max(2.0 * gain, 1.0)))
+def _hz_std(duration_s: float, gain: float) -> float:
+    """Of a line's frequency: Cramer and Rao's bound ``sqrt(12) / (2 pi S T)``, and what a drifting line
+    adds.
+    """
+    bound = np.sqrt(12.0) / (2.0 * np.pi * np.sqrt(max(2.0 * gain, 1.0)))
+    return float(np.hypot(bound, _DRIFTS) / duration_s)
+
+
+def _peak_hz(hz: Array, power: Array, k: int) -> float:
+    """Where the power is highest, between the lines: a parabola through its logarithm."""
+    if not 0 < k < len(hz) - 1:
+        return float(hz[k])
+    left, middle, right = np.log(np.maximum(power[k - 1 : k + 2], 1e-12))
+    bend = left - 2.0 * middle + right
+    shift = float(np.clip(0.5 * (left - right) / bend, -0.5, 0.5)) if bend < 0.0 else 0.0
+    return float(hz[k] + shift * (hz[1] - hz[0]))
 
 
 def _best(moduli: Array, free: NDArray[np.bool_]) -> tuple[int, float, float] | None:
@@ -149,6 +167,7 @@ def _motion(
     samples: float,
 ) -> list[Finding]:
     """A motion along one direction: amplitudes over the gyros are G u, with one phase a run."""
+    duration = samples / facts.sample_rate_hz
     if facts.n_gyros < 2 or any(run.at_rest.any() for run in runs):
         return []
     seen = facts.axes * facts.frame_signs / white[:, None]
@@ -174,7 +193,7 @@ def _motion(
     std = float(length * np.sqrt(2.0 / samples / len(runs)))
     parameters = {
         "deg_h": (size * length, std),
-        "frequency_hz": (float(hz[at]), _hz_std(hz[1] - hz[0], float(top[k]))),
+        "frequency_hz": (_peak_hz(hz, power, at), _hz_std(duration, float(top[k]))),
         "axis": (axis, None),
     }
     effect = "base_motion" if "base_motion" in allowed else "unknown"

@@ -22,8 +22,8 @@ from fogreduce.effects.selection import Action, action
 from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.capture import RunInput
 from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.physics.frames import across
 from fogreduce.physics.noise import flicker_covariance, white_sigma
-from fogreduce.simulate.draw import across
 
 Array = NDArray[np.float64]
 

@@ -26,7 +26,8 @@ from fogreduce.gap.noise_model import Whitener, process_covariance
 Array = NDArray[np.float64]
 
 CATALOGUED = {"bias_instability": ("flicker", "deg_h"), "rate_random_walk": ("walk", "deg_h_sqrt_h")}
-_FORGETS_S = (4.0, 12.0, 40.0)
+_FORGETS_S = (1.5, 5.0, 15.0, 45.0)
+_SHARE = 3.0  # how often the unknown is a process, beside other families
 _LOWEST, _HIGHEST, _STEPS = 1.5, 3000.0, 40
 
 
@@ -67,7 +68,7 @@ class Processes:
                 )
             for time in _FORGETS_S:
                 log_b, gain, _, _ = self._held(left, i, f"forgets {time}")
-                share = 1.0 / n / len(_FORGETS_S)
+                share = _SHARE / n / len(_FORGETS_S)
                 yield Finding(
                     "unknown",
                     name,
@@ -126,5 +127,5 @@ class Processes:
 def _covariance(kind: str, blocks: Blocks) -> Array:
     if not kind.startswith("forgets"):
         return process_covariance(kind, 1.0, blocks)
-    time = max(float(kind.split()[1]), 2.0 * blocks.length_s)
+    time = max(float(kind.split()[1]), 1.2 * blocks.length_s)
     return np.exp(-np.abs(np.subtract.outer(blocks.centre_s, blocks.centre_s)) / time)

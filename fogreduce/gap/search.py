@@ -21,7 +21,7 @@ from fogreduce.gap.families import families
 from fogreduce.gap.fast import Fast
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
-from fogreduce.gap.processes import Processes
+from fogreduce.gap.processes import CATALOGUED, Processes
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,12 @@ _NAMES = 40.0  # effects that share the prior evenly
 _FAMILIES = 12.0
 #: How exactly a named effect's shape is taken to be that of the catalogue, relative to its size.
 SHAPE_DOUBT = 0.08
+#: The same where a temperature drives it: a coil lags behind its sensor.
+WARM_DOUBT = 0.15
 _GROSS = 150.0  # signal-to-noise ratio from which a cause goes into the chain before others are looked for
+
+
+Key = tuple[str, tuple[str, ...], tuple[str, ...], str]
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,7 @@ class Option:
     finding: Finding | None
     log_b: float
     log_prior: float
+    raw: float = 0.0  # ln evidence before what departures from shape could make was taken off
 
     @property
     def source(self) -> Candidate | Finding:
@@ -61,6 +67,11 @@ class Option:
     def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
         """Effect, channels, runs, other gyro."""
         return self.source.key
+
+    @property
+    def process(self) -> bool:
+        """Whether it is a further random process in block means."""
+        return self.finding is not None and self.finding.domain == "process"
 
     @property
     def score(self) -> float:
@@ -84,6 +95,20 @@ class Option:
 
 
 @dataclass
+class Ground:
+    """What candidates are held against: whitener, metric, residual and the candidates themselves."""
+
+    whiten: Whitener
+    metric: Metric
+    y: Array
+    nominal: Array
+    candidates: list[Candidate]
+    families: list[Candidate]
+    processes: Processes
+    base: frozenset[Key] = frozenset()
+
+
+@dataclass
 class State:
     """A set of causes, and what is left beside them.
 
@@ -95,24 +120,23 @@ class State:
         All of them.
     field : Field
         Residual left, in a metric in which their amplitudes are free.
+    ground : Ground
+        What it stands on.
     """
 
     model: Model
     causes: list[Cause]
     field: Field
+    ground: Ground
 
 
-@dataclass
-class Ground:
-    """What candidates are held against: whitener, metric, residual and the candidates themselves."""
+@dataclass(frozen=True)
+class Step:
+    """A set of causes on the way: its state, what may be added to it, and ln of its evidence and prior."""
 
-    whiten: Whitener
-    metric: Metric
-    y: Array
-    nominal: Array
-    candidates: list[Candidate]
-    families: list[Candidate]
-    processes: Processes
+    state: State
+    options: list[Option]
+    score: float
 
 
 @dataclass
@@ -152,13 +176,18 @@ class Search:
             y,
             nominal,
             builder.all(),
-            families(data.inputs, whiten, builder.plain),
+            families(data.inputs, whiten, builder.plain, self.allowed),
             Processes(data.inputs, whiten),
+            frozenset(c.key for c in slow),
         )
 
-    def state(self, causes: Sequence[Cause], refine: bool = True) -> State:
+    def ground_of(self, causes: Sequence[Cause]) -> Ground:
+        """The ground beside some causes: its noise has their processes in it."""
+        return self._ground(causes) if causes else self.ground
+
+    def state(self, causes: Sequence[Cause], ground: Ground, refine: bool = True) -> State:
         """The causes in the chain, fitted together."""
-        g = self.ground
+        g = ground
         slow = [c for c in causes if c.slow]
         if refine and slow:
             model = refined(self.data.inputs, slow, g.whiten, g.nominal, g.metric, g.y)
@@ -166,7 +195,7 @@ class Search:
             model = modelled(self.data.inputs, slow, g.whiten, g.nominal)
         fitted = iter(model.causes)
         merged = [next(fitted) if c.slow else c for c in causes]
-        return State(model, merged, Field.of(g.metric.beside(model.slopes), g.y - model.change))
+        return State(model, merged, Field.of(g.metric.beside(model.slopes), g.y - model.change), g)
 
     # ------------------------------------------------------------------------------------ options
 
@@ -174,13 +203,13 @@ class Search:
         """Everything that may be added to a set of causes, catalogue and unknown."""
         out: list[Option] = []
         taken = {c.key for c in state.causes}
-        for candidate in [*self.ground.candidates, *self.ground.families]:
+        for candidate in [*state.ground.candidates, *state.ground.families]:
             if candidate.key in taken and candidate.known:
                 continue
             fit = state.field.fit(candidate)
             out.append(self._slow_option(fit, state))
         left = state.field.metric.without(state.field.y)
-        findings = [*self.fast.findings(state.causes), *self.ground.processes.findings(left, self.allowed)]
+        findings = [*self.fast.findings(state.causes), *state.ground.processes.findings(left, self.allowed)]
         slow_low_pass = {
             o.source.channels: o.log_b
             for o in out
@@ -190,89 +219,106 @@ class Search:
         for finding in findings:
             if finding.key in taken and finding.domain != "lines":
                 continue
-            log_b = finding.log_b
+            log_b = raw = finding.log_b
             if finding.effect == "low_pass":
                 log_b += max(slow_low_pass.get(finding.channels, 0.0), 0.0)
             if finding.domain == "process":
                 log_b = self._doubted(log_b, finding.snr2, 8, state, finding.channels)
-            out.append(Option(None, finding, log_b, _log_prior(finding.known, finding.share)))
+            out.append(
+                Option(None, finding, log_b, _log_prior(finding.known, finding.share), max(raw, log_b))
+            )
         return out
 
     def _slow_option(self, fit: Fit, state: State) -> Option:
         c = fit.candidate
         k = c.columns.shape[2]
         log_b = fit.log_b if c.fixed else self._doubted(fit.log_b, fit.q, k, state, c.channels)
-        return Option(fit, None, log_b, _log_prior(c.known, c.share))
+        return Option(fit, None, log_b, _log_prior(c.known, c.share), fit.log_b)
 
     def _doubted(self, log_b: float, q: float, k: int, state: State, channels: Sequence[str]) -> float:
         """Evidence less what mere departures of the causes found from the catalogue's shape could make."""
-        size = self.size_at(state, channels)
+        size = self.doubt_at(state, channels)
         if size == 0.0 or q <= 0.0:
             return log_b
-        less = max(np.sqrt(q) - SHAPE_DOUBT * size, 0.0) ** 2
+        less = max(np.sqrt(q) - size, 0.0) ** 2
         return log_b + float(log_bayes(np.array(less), k) - log_bayes(np.array(q), k))
 
-    def size_at(self, state: State, channels: Sequence[str]) -> float:
-        """Signal-to-noise ratio of the causes that sit at these channels."""
+    def doubt_at(self, state: State, channels: Sequence[str]) -> float:
+        """Signal-to-noise ratio that departures of the causes from their shape may have at these channels."""
         change = state.model.change
         if not change.any():
             return 0.0
-        rows = self.ground.whiten.rows
+        warm = any(c.effect.startswith("temperature") for c in state.causes)
+        doubt = WARM_DOUBT if warm else SHAPE_DOUBT
+        rows = state.ground.whiten.rows
         if any(not name.startswith("gyro") for name in channels):
             parts = [change]
         else:
             parts = [change[rows.of(int(name[4:]) - 1)] for name in channels]
-        return float(np.sqrt(sum(float(part @ part) for part in parts)))
+        metric = state.ground.metric
+        whole = change - metric.a @ (metric.shrink @ (metric.a.T @ change))
+        # what nuisances could have made is no part of a cause's size
+        seen = max(float(change @ whole), 0.0) / max(float(change @ change), 1e-300)
+        return doubt * float(np.sqrt(seen * sum(float(part @ part) for part in parts)))
+
+    def credit(self, step: Step) -> float:
+        """What departures from shape explain of what a random process would take: ln of evidence."""
+        if not step.state.causes or any(c.effect in CATALOGUED for c in step.state.causes):
+            return 0.0
+        processes = [o for o in step.options if o.process and o.raw > 0.0]
+        return max((o.raw - max(o.log_b, 0.0) for o in processes), default=0.0)
 
     # -------------------------------------------------------------------------------------- search
 
-    def run(self) -> list[tuple[State, list[Option], float]]:
-        """Sets of no, one, two, three causes: state, options beside them, and ln score of the set."""
-        state = self.state([])
+    def run(self, processes: bool = True) -> list[Step]:
+        """Sets of no, one, two, three causes.
+
+        Parameters
+        ----------
+        processes : bool
+            Whether a random process may be a cause; it imitates any drift, so that both ways are worth a try.
+        """
+        state = self.state([], self.ground)
         options = self.options(state)
-        path = [(state, options, 0.0)]
+        path = [Step(state, options, 0.0)]
         score = 0.0
         for depth in range(MOST_CAUSES):
-            best = max((o for o in options if o.known), key=lambda o: o.score, default=None)
+            choice = [o for o in options if o.known and (processes or not o.process)]
+            best = max(choice, key=lambda o: o.score, default=None)
             further = LOG_GAP if depth == 0 else LOG_FURTHER
             if best is None or best.score + further < 0.0:
                 break
             causes = [*state.causes, best.cause()]
             score += best.score + further
-            self._settle(causes, best)
-            state = self.state(causes)
-            state, options, change = self._weighed_again(state)
+            ground = self._settled(causes, best, state.ground)
+            state, change = self._weighed_again(self.state(causes, ground), processes)
+            options = self.options(state)
             score += change
-            path.append((state, options, score))
+            path.append(Step(state, options, score))
         return path
 
-    def _settle(self, causes: Sequence[Cause], best: Option) -> None:
-        """A gross cause goes into the chain, a random process into the noise, before anything else is
-        looked at.
-        """
+    def _settled(self, causes: Sequence[Cause], best: Option, ground: Ground) -> Ground:
+        """The ground with a gross cause in the chain, or a random process in the noise."""
         gross = best.fit is not None and best.q > _GROSS**2
-        process = best.finding is not None and best.finding.domain == "process"
         if gross:
-            causes = self.state(causes).causes
-        if gross or process:
-            self.ground = self._ground(causes)
+            causes = self.state(causes, ground).causes
+        return self._ground(causes) if gross or best.process else ground
 
-    def _weighed_again(self, state: State) -> tuple[State, list[Option], float]:
+    def _weighed_again(self, state: State, processes: bool) -> tuple[State, float]:
         """Every cause but the last set against all others in its place; the better one stays."""
         change = 0.0
         for k in range(len(state.causes) - 1):
-            if state.causes[k].finding is not None:
+            if state.causes[k].finding is not None or state.causes[k].key in state.ground.base:
                 continue
             others = [c for j, c in enumerate(state.causes) if j != k]
-            without = self.state(others, refine=False)
-            choice = [o for o in self.options(without) if o.known]
+            without = self.state(others, state.ground, refine=False)
+            choice = [o for o in self.options(without) if o.known and (processes or not o.process)]
             now = next((o for o in choice if o.key == state.causes[k].key), None)
             best = max(choice, key=lambda o: o.score, default=None)
-            if now is not None and best is not None and best.score > now.score + 1.0:
+            if now is not None and best is not None and not best.process and best.score > now.score + 1.0:
                 change += best.score - now.score
-                causes = [*others[:k], best.cause(), *others[k:]]
-                state = self.state(causes)
-        return state, self.options(state), change
+                state = self.state([*others[:k], best.cause(), *others[k:]], state.ground)
+        return state, change
 
 
 def _log_prior(known: bool, share: float) -> float:
@@ -283,8 +329,6 @@ def _log_prior(known: bool, share: float) -> float:
 
 def _processes(causes: Sequence[Cause]) -> dict[tuple[str, int], float]:
     """Sizes of the random processes among causes, by kind and gyro."""
-    from fogreduce.gap.processes import CATALOGUED
-
     return {
         (CATALOGUED[c.effect][0], int(c.channels[0][4:]) - 1): c.parameters()[CATALOGUED[c.effect][1]]
         for c in causes

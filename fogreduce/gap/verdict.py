@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fogreduce.gap.search import LOG_FURTHER, LOG_GAP, Option, Search, State
+from fogreduce.gap.processes import CATALOGUED
+from fogreduce.gap.search import LOG_FURTHER, LOG_GAP, Option, Search, State, Step
 
 #: Rivals whose evidence times prior falls short of the best by less than this cannot be excluded.
 _RIVAL = 5.0
@@ -64,40 +65,54 @@ def _log_sum(values: Sequence[float]) -> float:
 def judged(search: Search) -> Verdict:
     """Search, and judge."""
     path = search.run()
-    first = path[0][1]
+    first = path[0].options
     anything = _log_sum([o.score for o in first]) + LOG_GAP
-    best_path = max((score for _, _, score in path[1:]), default=-np.inf)
+    best_path = max((step.score for step in path[1:]), default=-np.inf)
     gap = 1.0 / (1.0 + np.exp(-np.clip(max(anything, best_path), -500.0, 500.0)))
     if gap < 0.5:
         unknown = _log_sum([o.score for o in first if not o.known]) + LOG_GAP
         share = float(np.exp(unknown - np.logaddexp(0.0, anything)))
-        return Verdict("no_gap", float(gap), min(share, 1.0), path[0][0], first, ())
-    plain, with_unknown = [], []
-    for depth, (_, options, score) in enumerate(path):
-        beside = _log_sum([o.score for o in options if not o.known])
-        further = LOG_GAP if depth == 0 else LOG_FURTHER
-        plain.append(score if depth else -1e9)
-        with_unknown.append(score + beside + further)
-    total = _log_sum([*plain, *with_unknown])
-    unknown_probability = float(np.exp(_log_sum(with_unknown) - total))
-    if unknown_probability >= 0.5:
-        depth = int(np.argmax(with_unknown))
-        word = "partly_explained" if depth else "unexplained"
-    else:
-        depth, word = int(np.argmax(plain)), "explained"
-    state, left, _ = path[depth]
-    named = tuple(
-        _named(search, state, k, first if len(state.causes) == 1 else None) for k in range(len(state.causes))
-    )
+        return Verdict("no_gap", float(gap), min(share, 1.0), path[0].state, first, ())
+    # (step, its options less one cause, whether anything unknown beside it, ln score)
+    ways = _ways(search, path)
+    if any(c.effect in CATALOGUED for step in path for c in step.state.causes):
+        ways += _ways(search, search.run(processes=False))[1:]
+    total = _log_sum([score for _, _, score in ways])
+    unknown_probability = float(np.exp(_log_sum([s for _, something, s in ways if something]) - total))
+    chosen = max((way for way in ways if way[1] == (unknown_probability >= 0.5)), key=lambda way: way[2])
+    step, something, _ = chosen
+    word = "explained"
+    if something:
+        word = "partly_explained" if step.state.causes else "unexplained"
+    named = tuple(_named(search, step.state, k, first) for k in range(len(step.state.causes)))
     named = tuple(sorted(named, key=lambda one: -one.probability))
-    return Verdict(word, float(gap), unknown_probability, state, left, named)
+    return Verdict(word, float(gap), unknown_probability, step.state, step.options, named)
 
 
-def _named(search: Search, state: State, k: int, options: list[Option] | None) -> Named:
-    """One cause against all that could stand in its place."""
-    if options is None:
-        others = [c for j, c in enumerate(state.causes) if j != k]
-        options = search.options(search.state(others, refine=False))
+def _ways(search: Search, path: Sequence[Step]) -> list[tuple[Step, bool, float]]:
+    """Every set of a path, alone and with something unknown beside it: step, whether, ln score."""
+    ways = []
+    for depth, step in enumerate(path):
+        beside = _log_sum([o.score for o in step.options if not o.known])
+        further = LOG_GAP if depth == 0 else LOG_FURTHER
+        score = step.score + search.credit(step)
+        ways.append((step, True, score + beside + further))
+        if depth:
+            ways.append((step, False, score))
+    return ways
+
+
+def _named(search: Search, state: State, k: int, first: list[Option]) -> Named:
+    """One cause against all that could stand in its place; `first`: options beside no cause at all."""
+    cause = state.causes[k]
+    others = [c for j, c in enumerate(state.causes) if j != k]
+    if not others or cause.key in state.ground.base:
+        options = first
+    elif cause.effect in CATALOGUED:
+        # the noise must not have the process in it already
+        options = search.options(search.state(others, search.ground_of(others), refine=False))
+    else:
+        options = search.options(search.state(others, state.ground, refine=False))
     further = LOG_GAP if len(state.causes) == 1 else LOG_FURTHER
     total = _log_sum([*(o.score for o in options), -further])
     chances = sorted(((o, float(np.exp(o.score - total))) for o in options if o.known), key=lambda x: -x[1])
