@@ -28,7 +28,7 @@ def hdf5_problems(path: Path) -> tuple[list[str], str | None]:
             found = file.attrs.get("version_id")
             problems = list(_problems(file, h5py, path.stat().st_size))
             return problems, found if isinstance(found, str) else None
-    except (OSError, RuntimeError, ValueError, KeyError, TypeError, UnicodeError) as error:
+    except (OSError, RuntimeError, ValueError, KeyError, TypeError, ArithmeticError, MemoryError) as error:
         return [f"a file that HDF5 does not read ({' '.join(str(error).split())[:100]})"], None
 
 

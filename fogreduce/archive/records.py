@@ -6,12 +6,13 @@ import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
 
 from fogreduce.archive.digest import data_digest
 from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.base import Model, Name
+from fogreduce.metadata.faults import unexpected
 
 MANIFEST = "manifest.json"
 OUTPUTS = "outputs.json"
@@ -25,10 +26,18 @@ Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 VersionId = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 
 
+def _inside(name: str) -> str:
+    if any(part in ("", ".", "..") for part in name.split("/")) or not name.isprintable():
+        raise unexpected("a path in the same folder")
+    return name
+
+
 class HashedFile(Model):
     """A file by name, with its size and hash."""
 
-    name: str = Field(min_length=1, max_length=1024, description="path in its folder, parted by /")
+    name: Annotated[str, AfterValidator(_inside)] = Field(
+        max_length=1024, description="path in its folder, parted by /"
+    )
     bytes: int = Field(ge=0, description="size")
     sha256: Sha256 = Field(description="SHA-256 of its bytes, lower case")
 

@@ -60,7 +60,8 @@ STAGES = {
             "tables/unstable.csv",
         ),
         ("block_records", "edge_guard_s", "unstable"),
-        ("table",),
+        ("table", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg"),
+        ("uncertainty",),
     ),
     "drift": StageFacts(("reports/fit.json",), ("tables/drift.csv",), (), ("table", "frame_signs")),
 }

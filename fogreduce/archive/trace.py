@@ -167,14 +167,14 @@ def _calibration(place: RunPlace, hashes: Hashes) -> dict[str, Any]:
 
 def _capture(place: RunPlace, hashes: Hashes) -> dict[str, Any]:
     run = place.manifest.run
-    name = run["capture"]["file"]
+    manifest = place.results / MANIFEST
+    try:
+        name = run["capture"]["file"]
+        facts = {key: run["capture"][key] for key in ("format", "sample_rate_hz")}
+        facts |= {key: run[key] for key in ("started_at", "unit")}
+    except (KeyError, TypeError) as error:
+        raise BadInput.at(manifest, "run", found=f"no {error}", expected="a run.yaml's content") from None
     entry = next((item for item in place.manifest.inputs if item.name == name), None)
     if entry is None:
-        raise BadInput.at(place.results / MANIFEST, "inputs", found=f"no {name}", expected="the capture")
-    return {
-        **_checked(place.inputs / name, entry, hashes),
-        "started_at": run["started_at"],
-        "format": run["capture"]["format"],
-        "sample_rate_hz": run["capture"]["sample_rate_hz"],
-        "unit": run["unit"],
-    }
+        raise BadInput.at(manifest, "inputs", found=f"no {name}", expected="the capture")
+    return {**_checked(place.inputs / name, entry, hashes), **facts}

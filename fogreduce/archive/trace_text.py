@@ -48,7 +48,7 @@ def _lines(trace: Mapping[str, Any]) -> Iterator[str]:
         if item["file"] != capture["file"]:
             yield _line("file", _file(item))
     yield _line("capture", _file(capture))
-    yield _line("began", f"{capture['started_at']}, unit {capture['unit']}, {capture['sample_rate_hz']:g} Hz")
+    yield _line("began", f"{capture['started_at']}, unit {capture['unit']}, {capture['sample_rate_hz']} Hz")
 
 
 def _line(key: str, text: str) -> str:
