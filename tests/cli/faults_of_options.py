@@ -114,7 +114,7 @@ OPTIONS = [
     Case(
         "parameters: out of range",
         _parameters('{"block_records": 0}'),
-        "--parameters: block_records: found 0; expected a number, at least 1",
+        "--parameters: block_records: found 0; expected a number, at least 256",
     ),
     Case(
         "parameters: NaN",
