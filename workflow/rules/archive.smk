@@ -36,11 +36,11 @@ rule bag:
         f"{RESULTS}/_archive/benchmarks/{{campaign}}.tsv"
     params:
         code=code_digest(("archive",)),
-        results=RESULTS,
+        results=lambda wildcards, output: Path(output[0]).parent.parent,
         campaigns=CONFIG.campaigns_dir,
         calibrations=CONFIG.calibrations_dir,
         source=Path(workflow.basedir),
-        out=f"{RESULTS}/_archive",
+        out=lambda wildcards, output: Path(output[0]).parent,
     shell:
         "fogreduce archive {params.results:q} --only {wildcards.campaign} --campaigns {params.campaigns:q}"
         " --calibrations {params.calibrations:q} --source {params.source:q} --out {params.out:q} --by-digest"
