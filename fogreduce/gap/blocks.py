@@ -5,6 +5,7 @@ asked.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,7 +71,7 @@ class Blocks:
         """(count,) middles [s]."""
         return (np.arange(self.count) + 0.5) * self.length_s
 
-    def means(self, values: Array) -> Array:
+    def means(self, values: NDArray[Any]) -> Array:
         """Means over each block of values (..., K) at `time_s`: (..., count)."""
         sizes = np.diff(np.append(self.first, len(self.time_s)))
         means = np.empty((*values.shape[:-1], self.count))

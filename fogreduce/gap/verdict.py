@@ -13,6 +13,7 @@ from fogreduce.gap.search import LOG_FURTHER, LOG_GAP, Option, Search, State, St
 #: Rivals whose evidence times prior falls short of the best by less than this cannot be excluded.
 _RIVAL = 5.0
 _MOST_MANY, _MOST_ONE = 4, 8
+_MEAN_COSTS = 1.0
 
 
 @dataclass(frozen=True)
@@ -95,11 +96,20 @@ def _ways(search: Search, path: Sequence[Step]) -> list[tuple[Step, bool, float]
     for depth, step in enumerate(path):
         beside = _log_sum([o.score for o in step.options if not o.known])
         further = LOG_GAP if depth == 0 else LOG_FURTHER
-        score = step.score + search.credit(step)
-        ways.append((step, True, score + beside + further))
+        ways.append((step, True, step.score + beside + further + _mean_of_process(step)))
         if depth:
-            ways.append((step, False, score))
+            ways.append((step, False, step.score + search.credit(step)))
     return ways
+
+
+def _mean_of_process(step: Step) -> float:
+    """Ln evidence of a mean where the best of the unknown is a process: it need not have the mean zero."""
+    unknown = max((o for o in step.options if not o.known), key=lambda o: o.score, default=None)
+    if unknown is None or not unknown.process:
+        return 0.0
+    same = [o for o in step.options if o.fit is not None and o.source.channels == unknown.source.channels]
+    means = [o.log_b for o in same if o.key[0] == "bias_offset" or getattr(o.source, "feature", "") == "mean"]
+    return max(max(means, default=0.0) - _MEAN_COSTS, 0.0)
 
 
 def _named(search: Search, state: State, k: int, first: list[Option]) -> Named:
