@@ -11,7 +11,7 @@ from fogreduce.errors import BadInput, FogreduceError
 
 if TYPE_CHECKING:
     from fogreduce.estimate.levenberg_marquardt import FreeFit
-    from fogreduce.stages.fit import Fit, Segment
+    from fogreduce.stages.fit import Segment
     from fogreduce.stages.setup import Setup
 
 HELP = "fit the mean curve of a reduced run with its rate free, by Levenberg-Marquardt"
