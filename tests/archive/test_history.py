@@ -11,6 +11,13 @@ from fogreduce.archive.verify import verify
 from fogreduce.archive.versions import kept_versions
 
 
+@pytest.fixture(scope="module", autouse=True)
+def one_code(archived):
+    """All reductions of this file name the archived code."""
+    with archived.one_code():
+        yield
+
+
 @pytest.fixture(scope="module")
 def twice(archived, tmp_path_factory):
     """A run reduced again with another parameter and another calibration record."""

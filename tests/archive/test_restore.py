@@ -15,6 +15,13 @@ from fogreduce.archive.compare import compare_run, distance_of
 from fogreduce.metadata.yaml12 import load_yaml
 
 
+@pytest.fixture(scope="module", autouse=True)
+def one_code(archived):
+    """All reductions of this file name the archived code."""
+    with archived.one_code():
+        yield
+
+
 @pytest.fixture(scope="module")
 def restored(archived, tmp_path_factory):
     """The bag, restored; not to be changed by a test."""
