@@ -38,10 +38,11 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose; the verdict on standard output."""
     from fogreduce.gap.diagnose import diagnose
     from fogreduce.gap.write import write
+    from fogreduce.metadata.folder import load_campaign
 
     only = tuple(name for name in args.only_runs.split(",") if name)
     diagnosis = diagnose(args.campaign, args.calibrations, args.without, only, args.simulated)
-    write(diagnosis, args.out)
+    write(diagnosis, args.out, load_campaign(args.campaign).label)
     causes = ", ".join(f"{c['effect']} {' '.join(c['channels'])}" for c in diagnosis.document["causes"])
     print(f"{args.out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}")
     return 0

@@ -69,7 +69,7 @@ class Blocks:
     @property
     def centre_s(self) -> Array:
         """(count,) middles [s]."""
-        return (np.arange(self.count) + 0.5) * self.length_s
+        return (np.arange(self.count, dtype=np.float64) + 0.5) * self.length_s
 
     def means(self, values: NDArray[Any]) -> Array:
         """Means over each block of values (..., K) at `time_s`: (..., count)."""

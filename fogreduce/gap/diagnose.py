@@ -134,7 +134,7 @@ def _cause(verdict: Verdict, one: Named) -> dict[str, Any]:
         "probability": round(min(one.probability, 1.0), 6),
         "group_probability": round(min(one.group_probability, 1.0), 6),
         "group": group,
-        "parameters": _plain(cause.stated()),
+        "parameters": plain(cause.stated()),
     }
 
 
@@ -181,12 +181,12 @@ def _remainder(search: Search, verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Numbers of numpy as plain ones."""
     if isinstance(value, dict):
-        return {key: _plain(v) for key, v in value.items()}
+        return {key: plain(v) for key, v in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     if isinstance(value, np.generic):
         return value.item()
     return value

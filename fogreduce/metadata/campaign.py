@@ -56,3 +56,6 @@ class Campaign(Model):
         max_length=200,
         description="text that every page and figure of the campaign carries",
     )
+    diagnose: bool = Field(
+        default=False, description="whether the workflow diagnoses the gap between its runs and the simulator"
+    )
