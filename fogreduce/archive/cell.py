@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -145,3 +145,33 @@ def error_columns(column: str, header: Sequence[str]) -> list[str]:
         pattern = re.compile(rf"{re.escape(stem)}_err_(?:[a-z]+_)?{re.escape(unit)}")
         found += [name for name in header if pattern.fullmatch(name) and name not in found]
     return found
+
+
+def standard_uncertainty(column: str, fields: Mapping[str, str]) -> float | None:
+    """The standard uncertainty by which a cell, or an error beside it, is measured; None where there is none.
+
+    It is the error of white noise where the table has that, else the largest error beside the cell. Not the
+    smallest: where what is stated cannot act, the stated part is zero but for rounding, and measures nothing.
+
+    Parameters
+    ----------
+    column : str
+        Of the cell.
+    fields : mapping
+        The row, by column.
+    """
+    header = list(fields)
+    if "_err_" in column:
+        stem, _, rest = column.partition("_err_")
+        plain = f"{stem}_err_{rest.partition('_')[2]}"
+        names = [plain if plain in fields else column]
+    else:
+        found = error_columns(column, header)
+        parts = _ERROR_OF.get(column, column).split("_")
+        plains = [f"{'_'.join(parts[:k])}_err_{'_'.join(parts[k:])}" for k in range(1, len(parts))]
+        names = [name for name in found if name in plains] or found
+    try:
+        sizes = [float(fields[name]) for name in names if fields[name]]
+    except ValueError:
+        return None
+    return max((size for size in sizes if size > 0.0), default=None)

@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from fogreduce.archive.cell import error_columns, read_table, row_names
+from fogreduce.archive.cell import read_table, row_names, standard_uncertainty
 from fogreduce.archive.digest import file_digest
 from fogreduce.archive.machine import differences, machine
-from fogreduce.archive.records import MANIFEST, Manifest, read_manifest, read_outputs
+from fogreduce.archive.records import MANIFEST, OUTPUTS, Manifest, read_manifest, read_outputs
 from fogreduce.errors import BadInput, Fault
 
 #: How far a number may lie from the archived one, in units of its standard uncertainty.
@@ -79,7 +80,7 @@ def compare_run(archived: Path, new: Path) -> Compared:
         tuple(differing),
         worst,
         _datasets(archived, new),
-        tuple(_causes(archived, before, after)),
+        tuple(_causes(archived, new, before, after)),
         tuple(faults),
     )
 
@@ -96,7 +97,7 @@ def _cells(one: Path, other: Path) -> Iterator[tuple[Fault | None, float]]:
         for column, old, new in zip(header, row, new_row, strict=True):
             if old == new or column in _IDENTITY:
                 continue
-            distance = distance_of(old, new, [fields[item] for item in error_columns(column, header)])
+            distance = distance_of(old, new, standard_uncertainty(column, fields))
             fault = None
             if not distance <= TOLERANCE:
                 expected = f"{old} within {TOLERANCE:g} of its standard uncertainty"
@@ -104,18 +105,15 @@ def _cells(one: Path, other: Path) -> Iterator[tuple[Fault | None, float]]:
             yield fault, distance
 
 
-def distance_of(old: str, new: str, errors: list[str]) -> float:
-    """How far two fields lie apart, in units of the smallest standard uncertainty; inf: not numbers."""
+def distance_of(old: str, new: str, sigma: float | None) -> float:
+    """How far two fields lie apart, in units of their standard uncertainty; inf: not numbers."""
     try:
         before, after = float(old), float(new)
-        sigmas = [float(error) for error in errors if error]
     except ValueError:
         return math.inf
-    sigmas = [sigma for sigma in sigmas if sigma > 0.0]
-    if sigmas:
-        return abs(after - before) / min(sigmas)
-    scale = max(abs(before), abs(after)) * _RELATIVE / TOLERANCE
-    return abs(after - before) / scale if scale > 0.0 else math.inf
+    if sigma is None:
+        sigma = max(abs(before), abs(after)) * _RELATIVE / TOLERANCE
+    return abs(after - before) / sigma if sigma > 0.0 else math.inf
 
 
 def _datasets(archived: Path, new: Path) -> str:
@@ -152,14 +150,15 @@ def _unequal_values(one: Path, other: Path) -> str:
     return ""
 
 
-def _causes(archived: Path, before: Manifest, after: Manifest) -> Iterator[str]:
+def _causes(archived: Path, new: Path, before: Manifest, after: Manifest) -> Iterator[str]:
     """What differs between what the archived results and the new ones were made with."""
     yield from manifest_differences(before, after)
-    try:
-        then = read_outputs(archived).machine
-    except BadInput:
-        return
-    yield from differences(then, machine())
+    yield from differences(_machine(archived), _machine(new))
+
+
+def _machine(results: Path) -> dict[str, Any]:
+    """The machine that results were made on: as their checksums say, else this one."""
+    return read_outputs(results).machine if (results / OUTPUTS).is_file() else machine()
 
 
 def manifest_differences(before: Manifest, after: Manifest) -> list[str]:

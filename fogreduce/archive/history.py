@@ -7,7 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.cell import error_columns, read_table, row_names
+from fogreduce.archive.cell import error_columns, read_table, row_names, standard_uncertainty
 from fogreduce.archive.compare import distance_of, manifest_differences
 from fogreduce.archive.digest import file_digest
 from fogreduce.archive.machine import differences
@@ -115,8 +115,8 @@ def _cells(
                 continue
             sigma = None
             if was is not None and now is not None:
-                distance = distance_of(was[0], now[0], list(was[1].values()))
-                sigma = distance if was[1] and distance < float("inf") else None
+                distance = distance_of(was[0], now[0], was[2])
+                sigma = distance if was[2] is not None and distance < float("inf") else None
             changed.append(
                 {
                     "cell": f"{name.removeprefix('tables/')}:{key}",
@@ -130,12 +130,12 @@ def _cells(
     return changed, unchanged
 
 
-def _values(table: Path) -> Iterator[tuple[str, tuple[str, dict[str, str]]]]:
-    """``row:column`` -> value and its standard errors, for every cell but the version id."""
+def _values(table: Path) -> Iterator[tuple[str, tuple[str, dict[str, str], float | None]]]:
+    """``row:column`` -> value, its errors, its standard uncertainty, for every cell but the version id."""
     header, rows = read_table(table)
     for row, name in zip(rows, row_names(header, rows), strict=True):
         fields = dict(zip(header, row, strict=True))
         for column, value in fields.items():
             if column != _IDENTITY:
                 errors = {item: fields[item] for item in error_columns(column, header)}
-                yield f"{name}:{column}", (value, errors)
+                yield f"{name}:{column}", (value, errors, standard_uncertainty(column, fields))

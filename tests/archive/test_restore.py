@@ -11,6 +11,7 @@ import h5py
 import pytest
 from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
 
+from fogreduce.archive.cell import standard_uncertainty
 from fogreduce.archive.compare import compare_run, distance_of
 from fogreduce.metadata.yaml12 import load_yaml
 
@@ -121,11 +122,10 @@ def test_parameters_other_than_the_defaults_come_back(archived, tmp_path):
 
 
 def drift(archived):
-    """The drift of x in the first segment, as it stands, and its smallest standard error."""
+    """The drift of x in the first segment, as it stands, and its standard uncertainty."""
     lines = (archived.results / CAMPAIGN / "r1" / "tables" / "drift.csv").read_text().splitlines()
     fields = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
-    errors = [float(value) for name, value in fields.items() if name.startswith("drift_err_") and value]
-    return fields["drift_deg_h"], min(errors)
+    return fields["drift_deg_h"], float(fields["drift_err_deg_h"])
 
 
 def changed(archived, tmp_path, name, change):
@@ -187,8 +187,45 @@ def test_results_of_a_run_that_are_missing(archived, tmp_path):
 
 
 def test_distances():
-    assert distance_of("1.0", "1.5", ["0.25", "0.5"]) == 2.0
-    assert distance_of("x", "y", []) == float("inf")
-    assert distance_of("", "1", []) == float("inf")
-    assert distance_of("100", "101", []) > 1e-6
-    assert distance_of("0", "0.0", []) == float("inf")
+    assert distance_of("1.0", "1.5", 0.25) == 2.0
+    assert distance_of("x", "y", None) == float("inf")
+    assert distance_of("", "1", 0.25) == float("inf")
+    assert distance_of("100", "101", None) > 1e-6
+    assert distance_of("1", "1.0000000001", None) < 1e-6
+    assert distance_of("0", "0.0", None) == float("inf")
+
+
+def test_a_cell_is_measured_by_its_noise_and_not_by_a_part_that_is_zero_but_for_rounding():
+    fields = {"axis": "x", "e_deg_s2": "1e-8", "e_err_deg_s2": "2e-9", "e_err_coloured_deg_s2": "5e-9"}
+    fields |= {"e_err_stated_deg_s2": "3e-24", "c_rad_s": "0.1"}
+    for column in ("e_deg_s2", "e_err_deg_s2", "e_err_stated_deg_s2", "e_err_coloured_deg_s2"):
+        assert standard_uncertainty(column, fields) == 2e-9
+    assert standard_uncertainty("c_rad_s", fields) is None
+    drift = {"drift_deg_h": "1", "drift_err_deg_h": "0.5", "drift_err_stated_deg_h": "0.1"}
+    drift |= {"accumulated_error_deg": "1", "accumulated_err_deg": "0.25"}
+    assert standard_uncertainty("drift_deg_h", drift) == 0.5
+    assert standard_uncertainty("accumulated_error_deg", drift) == 0.25
+
+
+@pytest.mark.slow
+def test_another_kind_of_processor(archived, tmp_path):
+    """Another BLAS kernel and none of numpy's dispatched loops: within the tolerance, and it is said."""
+    from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(archived.source),
+        "OPENBLAS_CORETYPE": "Nehalem",
+        "NPY_DISABLE_CPU_FEATURES": " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name]),
+    }
+    code = "import sys; from fogreduce.cli.main import main; sys.exit(main(sys.argv[1:]))"
+    for run_id in RUNS:
+        out = tmp_path / CAMPAIGN / run_id
+        run = archived.campaigns / CAMPAIGN / "runs" / run_id
+        for command in (
+            ["reduce", run, "--calibrations", archived.calibrations, "--out", out],
+            ["checksums", out],
+        ):
+            subprocess.run([sys.executable, "-c", code, *map(str, command)], env=environment, check=True)
+    said = succeed("restore", archived.bag, "--compare", tmp_path)
+    assert "cpu_features: without" in said
