@@ -18,6 +18,8 @@ include: "workflow/rules/captures.smk"
 include: "workflow/rules/reduction.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/summary.smk"
+include: "workflow/rules/archive.smk"
+include: "workflow/rules/diagnose.smk"
 include: "workflow/rules/withheld.smk"
 
 

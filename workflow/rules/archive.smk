@@ -26,6 +26,11 @@ rule bag:
             for campaign, run in RUNS
             if campaign == wildcards.campaign
         ],
+        lambda wildcards: (
+            [f"{RESULTS}/{wildcards.campaign}/_diagnosis/diagnosis.json"]
+            if wildcards.campaign in globals().get("DIAGNOSED", ())
+            else []
+        ),
     output:
         # Not the bag's folder, into which Snakemake would put a file of its own, but its digest and its name.
         # The name has the digest in it, so that older bags stay.

@@ -93,6 +93,35 @@ def calibration_inputs(wildcards):
     return sorted(str(path) for path in Path(CONFIG.calibrations_dir).glob("*/*.yaml"))
 
 
+#: Campaigns that ask for their diagnosis.
+DIAGNOSED = [
+    name
+    for name, folder in CAMPAIGNS.items()
+    if checked(load_campaign, folder).diagnose and FOUND[name][0]
+]
+
+
+def diagnosed_inputs(wildcards):
+    """Metadata, logs and captures of every run of a campaign; folders where a rule makes them."""
+    if wildcards.campaign in MADE_CAMPAIGNS:
+        return [
+            f"{MADE}/{wildcards.campaign}/runs/{run.name}"
+            for run in FOUND[wildcards.campaign][0]
+        ]
+    return sorted(
+        str(path)
+        for run in FOUND[wildcards.campaign][0]
+        for path in run.iterdir()
+        if path.is_file()
+    )
+
+
+def diagnosed_folder(wildcards):
+    """The campaign's folder with its captures."""
+    parent = MADE if wildcards.campaign in MADE_CAMPAIGNS else CONFIG.campaigns_dir
+    return f"{parent}/{wildcards.campaign}"
+
+
 def summary_tables():
     """The tables over all runs."""
     return [f"{SUMMARY}/{name}.csv" for name in ("drift_all", "rates_all", "failed")]
