@@ -5,6 +5,7 @@
 ``captures/<campaign>/``                     captures that the workflow made, where campaign.yaml says so
 ``calibrations/<unit>/<version>.yaml``       the records that the runs used
 ``results/<campaign>/<run>/``                manifest, checksums, datasets, reports, tables, figures, versions
+``results/<campaign>/_diagnosis/``           its diagnosis, where there is one
 ``software/``                                the package's source, its rules, the lock of its environment
 ============================================ ===========================================================
 """
@@ -32,6 +33,8 @@ from fogreduce.metadata.faults import NAME_PATTERN
 
 #: Where the workflow keeps the captures that it made, in the folder of the results.
 MADE = "_captures"
+#: Folder of a campaign's diagnosis, beside its runs.
+DIAGNOSIS = "_diagnosis"
 
 
 @dataclass(frozen=True)
@@ -124,6 +127,12 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
     for parent, place in shared:
         for path in _plain_files(parent):
             items.setdefault(f"{place}/{path.name}", Item(f"{place}/{path.name}", path))
+    # The diagnosis of the campaign, with its pages, where one was made.
+    diagnosis = results / campaign / DIAGNOSIS
+    for name in result_files(diagnosis) if diagnosis.is_dir() else ():
+        if not name.endswith(".log"):
+            place = f"results/{campaign}/{DIAGNOSIS}/{name}"
+            items[place] = Item(place, diagnosis / name)
     for name in source_files(source):
         items[f"software/{name}"] = Item(f"software/{name}", source / name)
     return Contents(campaign, [items[path] for path in sorted(items)], runs)

@@ -120,6 +120,23 @@ def test_a_source_that_is_not_whole_is_refused(archived, tmp_path, name):
     assert f"no {name}" in err
 
 
+def test_a_diagnosis_and_its_pages_are_archived(archived, tmp_path):
+    results = tmp_path / "results"
+    shutil.copytree(archived.results, results)
+    diagnosis = results / CAMPAIGN / "_diagnosis"
+    diagnosis.mkdir()
+    (diagnosis / "figures").mkdir()
+    for name in ("diagnosis.json", "index.html", "figures/where.svg", "diagnose.log"):
+        (diagnosis / name).write_text(f"{name}\n")
+    arguments = [results if a == archived.results else a for a in archived.arguments(tmp_path / "bags")]
+    succeed(*arguments)
+    bag = tmp_path / "bags" / CAMPAIGN
+    kept = bag / "data/results" / CAMPAIGN / "_diagnosis"
+    names = {path.relative_to(kept).as_posix() for path in files(kept)}
+    assert names == {"diagnosis.json", "index.html", "figures/where.svg"}
+    succeed("verify", bag)
+
+
 def test_bags_named_by_their_digest_stay(archived, tmp_path):
     name = f"{CAMPAIGN}-{archived.digest[:12]}"
     for _ in range(2):
