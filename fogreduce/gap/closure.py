@@ -9,7 +9,7 @@ change, noise and stated uncertainties in the metric: its expectation, when noth
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -189,14 +189,13 @@ def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[fl
         return None
     found = []
     for parity in (0, 1):
-        part = Data(
-            data.inputs[parity::2],
-            data.residual[parity::2],
-            data.sizes[parity::2],
-            data.full[parity::2],
-            data.stated_white,
-            data.bits,
-            data.rails,
+        part = replace(
+            data,
+            inputs=data.inputs[parity::2],
+            residual=data.residual[parity::2],
+            sizes=data.sizes[parity::2],
+            full=data.full[parity::2],
+            codes=data.codes[parity::2],
         )
         same = [f for f in Fast(part, allowed).findings([]) if f.key == cause.finding.key]
         if not same or not same[0].parameters:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import RunInput, Samples, block_residual, read_inputs, read_samples
+from fogreduce.gap.converter import Codes, codes
 from fogreduce.gap.full_rate import FullRate, full_rate
 from fogreduce.gap.link import zero_bits
 from fogreduce.physics.noise import white_sigma
@@ -36,6 +37,8 @@ class Data:
         Lowest bits of each gyro that are always 0.
     rails : dict
         Gyro -> volts at which its converter rests.
+    codes : lists of Codes
+        Of each gyro in each run.
     """
 
     inputs: list[RunInput]
@@ -45,6 +48,7 @@ class Data:
     stated_white: Array
     bits: NDArray[np.int64]
     rails: dict[int, float]
+    codes: list[list[Codes | None]]
 
     @property
     def n(self) -> int:
@@ -66,7 +70,7 @@ class Data:
         """The same with only some blocks of each run counted; `keep`: a mask (blocks,) a run."""
         sizes = [np.where(mask, size, 0.0) for mask, size in zip(keep, self.sizes, strict=True)]
         residual = [np.where(mask, value, 0.0) for mask, value in zip(keep, self.residual, strict=True)]
-        return Data(self.inputs, residual, sizes, self.full, self.stated_white, self.bits, self.rails)
+        return replace(self, residual=residual, sizes=sizes)
 
 
 def read_data(
@@ -91,7 +95,30 @@ def read_data(
         residual.append(np.nan_to_num(means))
         sizes.append(np.where(np.isfinite(means), size, 0.0))
     stated = np.array(inputs[0].record.stated_noise.angle_random_walk_deg_sqrt_h)
-    return Data(inputs, residual, sizes, full, stated, bits, _rails(captures, full, inputs))
+    cells = [_codes(one, samples, run) for one, samples, run in zip(inputs, captures, full, strict=True)]
+    return Data(inputs, residual, sizes, full, stated, bits, _rails(captures, full, inputs), cells)
+
+
+def _codes(one: RunInput, samples: Samples, run: FullRate) -> list[Codes | None]:
+    """Cells of each gyro's voltages; none where its converter rests."""
+    facts = one.facts
+    second = max(int(facts.sample_rate_hz), 16)
+    middle = np.arange(len(samples.stamp_s) // second, dtype=np.float64) + 0.5
+    seconds: Array = middle * (second / facts.sample_rate_hz)
+    alpha = facts.profile.angle_at(seconds.copy())
+    segment = facts.profile.segment_at(seconds)
+    slow = np.column_stack(
+        [
+            *(segment == k for k in np.unique(segment)),
+            *(np.cos(np.pi * m * seconds / max(seconds[-1:].sum(), 1.0)) for m in range(1, 7)),
+            *(f(m * alpha) for m in (1, 2) for f in (np.cos, np.sin)),
+        ]
+    )
+    volts = samples.counts * facts.volts_per_count
+    departure = samples.residual / SECONDS_PER_HOUR * (facts.polarity * facts.scale_factor)[:, None]
+    return [
+        None if run.at_rest[i] else codes(volts[i], departure[i], second, slow) for i in range(len(volts))
+    ]
 
 
 def _rounded_down(one: RunInput, bits: NDArray[np.int64]) -> Array:

@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 HARMONICS = tuple(range(1, 17))
 _MODES = 10
 _TREND = 4
+_MOST_CYCLES = 31.0  # periods that come again from the run's start, at most so many in a run
 _DOUBLE = 0.05  # prior of a family that an effect of the catalogue does already
 _POWERS = ("scale_factor_error", "scale_factor_asymmetry", "", "scale_factor_nonlinearity")
 _HEATS = ("temperature_bias", "", "temperature_rate_bias", "temperature_scale_factor")
@@ -84,6 +85,7 @@ def _of_gyros(
     rows, runs = whiten.rows, len(inputs)
     turning = [bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs]
     warm = all(one.scene.temperature is not None for one in inputs)
+    longest = max(one.scene.blocks.count * one.scene.blocks.length_s for one in inputs)
     for i in range(rows.n):
         name, here, share = (gyro_name(i),), rows.of(i), 1.0 / rows.n
 
@@ -108,6 +110,8 @@ def _of_gyros(
         yield _family(name, here, white(trend)[:, None, :], "drift", "gyro", share=share)
         ramp = share * _lessened("bias_ramp", allowed)
         yield _family(name, here, white([t[:, :1] for t in trend])[:, None, :], "drift", "gyro", share=ramp)
+        periodic = white([_periods(one, longest) for one in inputs]).reshape(rows.per_gyro, -1, 2)
+        yield _family(name, here, periodic, "low_frequency", "gyro", share=share)
         if runs > 1:
             every = whiten(_diagonal([modes(c, 1, _MODES) for c in rows.counts]), here)[:, None, :]
             yield _family(name, here, every, "low_frequency", "gyro", share=share)
@@ -174,6 +178,15 @@ def _waves(one: RunInput, turns: bool) -> Array:
     alpha = one.facts.profile.angle_at(blocks.time_s.copy())
     pairs = [f(n * alpha) for n in HARMONICS for f in (np.cos, np.sin)]
     return blocks.means(np.array(pairs)).T
+
+
+def _periods(one: RunInput, longest_s: float) -> Array:
+    """Cosine and sine of the time since the run's start, for each of many periods, (blocks, 2 periods)."""
+    blocks = one.scene.blocks
+    shortest = 4.0 * blocks.length_s
+    cycles = np.arange(1.5, min(longest_s / shortest, _MOST_CYCLES), 0.5)
+    turn = 2.0 * np.pi * np.outer(blocks.centre_s / longest_s, cycles)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=-1).reshape(blocks.count, -1)
 
 
 def _heat(one: RunInput, reading: Array) -> Array:

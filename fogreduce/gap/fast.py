@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.gap.causes import Cause
+from fogreduce.gap.converter import converter_findings
 from fogreduce.gap.data import Data
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.lines import line_findings
@@ -16,6 +17,7 @@ from fogreduce.gap.spectrum import correlation_findings, filter_gain, level_find
 
 Array = NDArray[np.float64]
 
+_WIRING = ("channel_swap", "polarity_error", "rotation_sense", "start_offset", "saturation")
 _SPOILS = 25.0  # twice the gain in ln likelihood from which on a line is kept out of levels
 
 
@@ -40,6 +42,7 @@ class Fast:
         self.link = [
             *link_findings(data.full, allowed, data.noise_counts()),
             *stamp_findings(data.full, allowed),
+            *converter_findings(data.codes, n, allowed),
         ]
         plain = levels(data.full, self.facts, data.stated_white, [[]] * n, data.bits.astype(float))
         whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
@@ -100,7 +103,9 @@ class Fast:
         """What may be added to the causes."""
         mine = [c.finding for c in causes if c.finding is not None]
         moved = {name for c in causes if c.effect == "channel_swap" for name in (*c.channels, c.key[3])}
-        key = repr(sorted(moved)) + repr(
+        # beside a wrong sense or wiring the departures that codes are held against are no noise
+        wired = any(c.effect in _WIRING for c in causes)
+        key = repr((wired, sorted(moved))) + repr(
             sorted((f.domain, f.channels, f.effect, str(f.parameters)) for f in mine)
         )
         if key not in self._cache:
@@ -109,6 +114,7 @@ class Fast:
                 f
                 for f in self._found(mine)
                 if not (f.domain in ("level", "repeats") and moved & set(f.channels))
+                and not (f.domain == "converter" and wired)
             ]
         return self._cache[key]
 

@@ -33,7 +33,7 @@ def _log_i0(x: Array) -> Array:
     return result
 
 
-def _sizes_log(moduli: Array) -> tuple[Array, Array]:
+def sizes_log(moduli: Array) -> tuple[Array, Array]:
     """Ln mean likelihood over sizes, and the best size's, for moduli (..., runs)."""
     runs = moduli.shape[-1]
     s = _SIZES / np.sqrt(runs)
@@ -148,7 +148,7 @@ def _best(moduli: Array, free: NDArray[np.bool_]) -> tuple[int, float, float] | 
     leaders = leaders[power[leaders] > 0.0]
     if not leaders.size:
         return None
-    mean, top = _sizes_log(moduli[leaders])
+    mean, top = sizes_log(moduli[leaders])
     k = int(np.argmax(mean))
     # neighbours of a line in a spectrum of split lines say the same again
     log_sum = float(log_mean_exp(mean) + np.log(len(mean))) - np.log(2.0)
@@ -179,7 +179,7 @@ def _motion(
     _, vectors = np.linalg.eigh(cov[leaders])
     direction = vectors[:, :, -1]  # (leaders, d)
     moduli = np.abs(np.einsum("rdl,ld->lr", y[:, :, leaders], direction))
-    mean, top = _sizes_log(moduli)
+    mean, top = sizes_log(moduli)
     gain2 = np.maximum(np.sum(moduli**2, axis=1) - 2.0 * len(runs), 1.0)
     # the direction was chosen: the share of all directions that would have done as well
     mean = mean + np.log(np.minimum(2.0 / gain2, 1.0) if basis.shape[1] == 3 else 1.0)

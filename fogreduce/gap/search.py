@@ -262,11 +262,11 @@ class Search:
         return doubt * float(np.sqrt(seen * sum(float(part @ part) for part in parts)))
 
     def credit(self, step: Step) -> float:
-        """What departures from shape explain of what a random process would take: ln of evidence."""
+        """What departures from shape explain of what the unknown would take: ln of evidence."""
         if not step.state.causes or any(c.effect in CATALOGUED for c in step.state.causes):
             return 0.0
-        processes = [o for o in step.options if o.process and o.raw > 0.0]
-        return max((o.raw - max(o.log_b, 0.0) for o in processes), default=0.0)
+        rivals = [o for o in step.options if (o.process or not o.known) and o.raw > 0.0]
+        return max((o.raw - max(o.log_b, 0.0) for o in rivals), default=0.0)
 
     # -------------------------------------------------------------------------------------- search
 

@@ -96,9 +96,10 @@ def _ways(search: Search, path: Sequence[Step]) -> list[tuple[Step, bool, float]
     for depth, step in enumerate(path):
         beside = _log_sum([o.score for o in step.options if not o.known])
         further = LOG_GAP if depth == 0 else LOG_FURTHER
-        ways.append((step, True, step.score + beside + further + _mean_of_process(step)))
+        score = step.score + search.credit(step)
+        ways.append((step, True, score + beside + further + _mean_of_process(step)))
         if depth:
-            ways.append((step, False, step.score + search.credit(step)))
+            ways.append((step, False, score))
     return ways
 
 

@@ -8,7 +8,7 @@ once, and shares add up.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import gammaincc, gammaln, log_ndtr, ndtri
@@ -107,10 +107,12 @@ def places(
             fit = here.fit(family)
             k = family.columns.shape[2]
             q = max(np.sqrt(fit.q) - doubt, 0.0) ** 2
-            sigma = significance(q, k)
+            sigma = significance(q, k, _TRIALS * family.columns.shape[1])
             if top is None or sigma > top.sigma:
                 runs = tuple(run_ids) if family.runs == ("*",) else family.runs
-                top = Place(family.stage, family.channels, runs, family.feature, sigma, q, k, family)
+                top = Place(
+                    family.stage, family.channels, runs, family.feature, sigma, q, k, _at(family, fit.best)
+                )
         if top is None or top.sigma < LEAST_SIGMA or top.family is None:
             break
         found.append(top)
@@ -123,6 +125,16 @@ def places(
         if not same or process.sigma > max(same):
             found.append(process)
     return sorted([*found, *others], key=lambda p: -p.sigma)
+
+
+def _at(family: Candidate, best: int) -> Candidate:
+    """A family at one point of its grid."""
+    return replace(
+        family,
+        columns=family.columns[:, best : best + 1],
+        grid=family.grid[best : best + 1],
+        steps=family.steps[best : best + 1],
+    )
 
 
 def document(found: Sequence[Place]) -> list[dict[str, object]]:

@@ -1,0 +1,168 @@
+"""A converter whose error repeats with the voltage: what it does to the codes within the noise.
+
+An error ``g = A sin(kappa v)`` changes the density of a noisy voltage v = mu + e by the score
+``-g' + g e / sigma^2``.
+Summed over samples, with a free phase in each run,
+
+    S(kappa) = sum (e / sigma^2 - i kappa) exp(i kappa v),
+
+has the variance ``N (kappa^2 + 1 / sigma^2)`` in its two parts together when nothing is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.gap.evidence import log_mean_exp
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.lines import sizes_log
+
+Array = NDArray[np.float64]
+
+_BINS = 8.0  # a standard deviation of the noise
+_MOST_BINS = 20_000
+_WAVES = np.arange(0.45, 3.6, 0.05)  # kappa sigma
+_FINE = 6000
+_NOT_NOISE = 1.1
+
+
+@dataclass(frozen=True)
+class Codes:
+    """Voltages of one gyro in one run, in cells of an eighth of their noise.
+
+    Attributes
+    ----------
+    volts, number, noise : (B,) arrays
+        A cell's middle [V], its samples, the sum of their departures e from the mean of the second [V].
+    sigma : float
+        Standard deviation of e [V].
+    """
+
+    volts: Array
+    number: Array
+    noise: Array
+    sigma: float
+
+    def score(self, kappa: Array) -> NDArray[np.complex128]:
+        """S at each kappa [1/V], in standard deviations of one of its two parts."""
+        wave = np.exp(1j * np.outer(kappa, self.volts))
+        total = wave @ (self.noise / self.sigma**2) - 1j * kappa * (wave @ self.number)
+        return np.asarray(total * np.sqrt(2.0 / self.information(kappa)))
+
+    def information(self, kappa: Array) -> Array:
+        """Variance of S, both parts: also twice the information on A."""
+        return float(self.number.sum()) * (kappa**2 + 1.0 / self.sigma**2)
+
+
+def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | None:
+    """Cells of the voltages that count; None where there are too few or they spread too far.
+
+    Parameters
+    ----------
+    volts : (N,) array
+        As they arrived [V].
+    departure : (N,) array
+        From what was predicted [V]; NaN where a sample does not count. Where it is not noise alone, each
+        second's
+        straight line is taken off.
+    second : int
+        Samples of a second or so.
+    slow : (seconds, k) array
+        What each second's mean may follow without being the converter's doing.
+    """
+    whole = len(volts) // second * second
+    if whole < 8 * second:
+        return None
+    v, e = volts[:whole].reshape(-1, second), departure[:whole].reshape(-1, second)
+    there = np.isfinite(e)
+    e = np.where(there, e, 0.0)
+    means = e.sum(axis=1) / np.maximum(there.sum(axis=1), 1)
+    seen = there.sum(axis=1) > second // 2
+    if seen.sum() > 2 * slow.shape[1]:
+        size = np.linalg.lstsq(slow[: len(e)][seen], means[seen], rcond=1e-8)[0]
+        e = np.where(there, e - (slow[: len(e)] @ size)[:, None], 0.0)
+    t = np.arange(second) - (second - 1) / 2.0
+    fast = e - e.mean(axis=1, keepdims=True)
+    fast = fast - (fast @ t / (t @ t))[:, None] * t
+    power = np.mean(fast**2, axis=1)
+    usable = there & (power < 4.0 * np.median(power))[:, None]
+    if usable.sum() < 1000:
+        return None
+    sigma = float(np.std(fast[usable]))
+    if sigma <= 0.0:
+        return None
+    if float(np.std(e[usable])) > _NOT_NOISE * sigma:
+        e = fast
+    x, e = v[usable], e[usable]
+    cell = np.floor((x - x.min()) / sigma * _BINS).astype(np.int64)
+    if cell.max() > 50 * _MOST_BINS:
+        return None
+    count = np.bincount(cell).astype(np.float64)
+    some = np.flatnonzero(count)
+    if some.size > _MOST_BINS:
+        return None
+    middle = np.bincount(cell, x)[some] / count[some]
+    sums = np.bincount(cell, e).astype(np.float64)
+    return Codes(middle, count[some].astype(np.float64), sums[some], float(np.std(e)))
+
+
+def converter_findings(
+    runs: Sequence[Sequence[Codes | None]], n: int, allowed: frozenset[str]
+) -> Iterator[Finding]:
+    """Findings at each gyro; `runs`: codes of each gyro in each run."""
+    for i in range(n):
+        here = [c for c in (run[i] for run in runs) if c is not None]
+        if not here:
+            continue
+        sigma = float(np.median([c.sigma for c in here]))
+        here = [c for c in here if 0.7 * sigma < c.sigma < 1.4 * sigma]
+        kappa = _WAVES / sigma
+        z = np.array([c.score(kappa) for c in here])
+        mean, top = sizes_log(np.abs(z).T)
+        best = int(np.argmax(mean))
+        log_b, gain = float(log_mean_exp(mean)), float(top[best])
+        effect = "adc_nonlinearity" if "adc_nonlinearity" in allowed else "unknown"
+        parameters = {}
+        if effect != "unknown" and log_b > 0.0:
+            parameters = _refined(here, float(kappa[best]), float(kappa[1] - kappa[0]))
+        elif effect != "unknown":
+            parameters = {"volts": (0.0, sigma), "period_volts": (2.0 * np.pi / float(kappa[best]), sigma)}
+        yield Finding(
+            effect,
+            (gyro_name(i),),
+            ("*",),
+            log_b,
+            2.0 * gain,
+            parameters,
+            1.0 / n,
+            "converter",
+            "electronics",
+            "codes",
+            2 * len(here),
+        )
+
+
+def _refined(here: Sequence[Codes], kappa: float, step: float) -> dict[str, tuple[float, float]]:
+    """Amplitude and period with the phase that the contract gives the error, the same in all runs."""
+    widest = max(float(np.ptp(c.volts)) for c in here)
+    fine = kappa + np.linspace(-step, step, _FINE)
+    size = np.zeros(_FINE)
+    information = np.zeros(_FINE)
+    for c in here:
+        for k in range(0, _FINE, 500):
+            part = fine[k : k + 500]
+            size[k : k + 500] += c.score(part).imag * np.sqrt(c.information(part) / 2.0)
+            information[k : k + 500] += c.information(part) / 2.0
+    k = int(np.argmax(np.abs(size) / np.sqrt(information)))
+    volts, error = float(size[k] / information[k]), float(1.0 / np.sqrt(information[k]))
+    snr = max(abs(volts) / error, 1.0)
+    resolved = max(1.0 / (widest * snr), float(fine[1] - fine[0]))
+    period = 2.0 * np.pi / float(fine[k])
+    # what is slow of the error went with the slow part of the residual: its size is known to a half or so
+    error = float(np.hypot(error, 0.5 * volts))
+    return {"volts": (volts, error), "period_volts": (period, period * resolved / float(fine[k]))}
