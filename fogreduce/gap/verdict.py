@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from fogreduce.gap.search import LOG_FURTHER, LOG_GAP, Option, Search, State, St
 _RIVAL = 5.0
 _MOST_MANY, _MOST_ONE = 4, 8
 _MEAN_COSTS = 1.0
+_LEAST = 0.1  # probability below which a cause beside something unknown is not named
 
 
 @dataclass(frozen=True)
@@ -86,8 +87,17 @@ def judged(search: Search) -> Verdict:
     if something:
         word = "partly_explained" if step.state.causes else "unexplained"
     named = tuple(_named(search, step.state, k, first) for k in range(len(step.state.causes)))
+    state, left = step.state, step.options
+    kept = [one for one in named if one.probability >= _LEAST]
+    if something and len(kept) < len(named):
+        # what the unknown explains better in a cause's place is not judged present
+        causes = [state.causes[one.index] for one in kept]
+        state = search.state(causes, state.ground if causes else search.ground)
+        left = search.options(state)
+        named = tuple(replace(one, index=k) for k, one in enumerate(kept))
+        word = "partly_explained" if causes else "unexplained"
     named = tuple(sorted(named, key=lambda one: -one.probability))
-    return Verdict(word, float(gap), unknown_probability, step.state, step.options, named)
+    return Verdict(word, float(gap), unknown_probability, state, left, named)
 
 
 def _ways(search: Search, path: Sequence[Step]) -> list[tuple[Step, bool, float]]:
