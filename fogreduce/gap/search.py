@@ -281,9 +281,10 @@ class Search:
         state = self.state([], self.ground)
         options = self.options(state)
         path = [Step(state, options, 0.0)]
-        score = 0.0
-        for depth in range(MOST_CAUSES):
-            choice = [o for o in options if o.known and (processes or not o.process)]
+        score, depth = 0.0, 0
+        hollow: set[Key] = set()
+        while depth < MOST_CAUSES:
+            choice = [o for o in options if o.known and (processes or not o.process) and o.key not in hollow]
             best = max(choice, key=lambda o: o.score, default=None)
             further = LOG_GAP if depth == 0 else LOG_FURTHER
             if best is None or best.score + further < 0.0:
@@ -291,11 +292,27 @@ class Search:
             causes = [*state.causes, best.cause()]
             score += best.score + further
             ground = self._settled(causes, best, state.ground)
-            state, change = self._weighed_again(self.state(causes, ground), processes)
+            taken = self.state(causes, ground)
+            if self._is_hollow(state, taken, best):
+                hollow.add(best.key)
+                score -= best.score + further
+                continue
+            depth += 1
+            state, change = self._weighed_again(taken, processes)
             options = self.options(state)
             score += change
             path.append(Step(state, options, score))
         return path
+
+    def _is_hollow(self, before: State, after: State, best: Option) -> bool:
+        """Whether an effect, simulated, does not do what its column promised: it was no small step, or not
+        allowed.
+        """
+        if best.fit is None or before.ground is not after.ground:
+            return False
+        metric, y = after.ground.metric, after.ground.y
+        gain = Field.of(metric, y - before.model.change).chi2 - Field.of(metric, y - after.model.change).chi2
+        return gain < 0.5 * best.q
 
     def _settled(self, causes: Sequence[Cause], best: Option, ground: Ground) -> Ground:
         """The ground with a gross cause in the chain, or a random process in the noise."""
