@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.cli.beside import beside
+from fogreduce.cli.memory import keep_freed_memory
 from fogreduce.errors import BadInput
 
 HELP = "reduce one run, all stages in one process"
@@ -64,6 +65,7 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
 def run(arguments: argparse.Namespace) -> int:
     """Reduce; the tables are byte for byte those of the workflow."""
     manifest = beside(lambda: manifest_of(arguments))
+    keep_freed_memory()
     from fogreduce.cli.progress import progress
     from fogreduce.stages.files import write_json
     from fogreduce.stages.run import reduce_run

@@ -22,6 +22,7 @@ _LOWEST_HZ = 1e-5  # the contract's flicker reaches down to here
 _LONGEST_PART = 8  # averaging times go up to this part of the record
 _ROUNDS = 4
 _ROUNDING = 1e-20
+_ALIKE = 1e-12  # determinant below which columns cannot be told apart
 
 
 @dataclass(frozen=True)
@@ -86,15 +87,20 @@ def fit_noise(tau_s: Array, variance: Array, freedom: Array) -> ColouredNoise:
 
 def _not_negative(columns: Array, target: Array) -> Array:
     """Least squares with no negative coefficient, by trying every set of the three columns."""
-    best, least = np.zeros(columns.shape[1]), float(target @ target)
+    scale = np.sqrt((columns**2).sum(axis=0))
+    unit = columns / scale
+    products, aims = unit.T @ unit, unit.T @ target
+    best, gained = np.zeros(columns.shape[1]), 0.0
     for size in range(1, columns.shape[1] + 1):
         for chosen in map(list, itertools.combinations(range(columns.shape[1]), size)):
-            scale = np.sqrt((columns[:, chosen] ** 2).sum(axis=0))
-            part = np.linalg.lstsq(columns[:, chosen] / scale, target, rcond=None)[0] / scale
-            left = float(((columns[:, chosen] @ part - target) ** 2).sum())
-            if (part >= 0).all() and left < least * (1 - 1e-9):
-                best, least = np.zeros(columns.shape[1]), left
-                best[chosen] = part
+            square = products[np.ix_(chosen, chosen)]
+            if size > 1 and np.linalg.det(square) < _ALIKE:
+                continue
+            part = np.linalg.solve(square, aims[chosen])
+            gain = float(part @ aims[chosen])
+            if (part >= 0).all() and gain > gained * (1 + 1e-9):
+                best, gained = np.zeros(columns.shape[1]), gain
+                best[chosen] = part / scale[chosen]
     return best
 
 
