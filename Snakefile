@@ -27,10 +27,8 @@ rule all:
     default_target: True
     input:
         summary_tables(),
-        expand(run_file("tables/drift.csv"), zip, **run_wildcards()),
-        expand(run_file("figures"), zip, **run_wildcards())
-        if CONFIG.figures.enabled
-        else [],
+        expand(run_file("outputs.json"), zip, **run_wildcards()),
+        expand(f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json", campaign=DIAGNOSED),
 
 
 onerror:
