@@ -7,12 +7,13 @@ say what the file was: a manifest its run's inputs, outputs.json the results, th
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
 from fogreduce.archive.crate import CRATE
 from fogreduce.archive.facts import Facts
-from fogreduce.archive.hdf5 import hdf5_problems
+from fogreduce.archive.hdf5 import Looked, look_at
 from fogreduce.archive.outputs import VERSIONS
 from fogreduce.archive.records import MANIFEST, OUTPUTS, HashedFile, Manifest
 from fogreduce.archive.schema import ArchiveRecord, RunEntry
@@ -56,8 +57,9 @@ def inconsistencies(facts: Facts, files: Files, campaign: str) -> Iterator[Fault
         yield Fault(str(root / RECORD), where, str(record.software["code_sha256"]), expected)
     entries = {entry.results: entry for entry in record.runs}
     by_folder = _by_results(files)
+    datasets = look_at([root / path for path in sorted(files) if path.endswith(".nc")])
     for folder in sorted({*facts.manifests, *facts.outputs, *entries}):
-        yield from _results(facts, files, folder, by_folder.get(folder, []))
+        yield from _results(facts, files, folder, by_folder.get(folder, []), datasets)
         if folder in entries and folder in facts.manifests:
             yield from _run(facts, files, record.campaign, entries[folder], facts.manifests[folder], code)
         elif folder not in entries and f"/{VERSIONS}/" not in folder:
@@ -74,7 +76,9 @@ def _by_results(files: Files) -> dict[str, list[str]]:
     return found
 
 
-def _results(facts: Facts, files: Files, folder: str, paths: list[str]) -> Iterator[Fault]:
+def _results(
+    facts: Facts, files: Files, folder: str, paths: list[str], datasets: Mapping[Path, Looked]
+) -> Iterator[Fault]:
     """Results against their checksums, and each file's version against the manifest's."""
     root, manifest, outputs = facts.root, facts.manifests.get(folder), facts.outputs.get(folder)
     if manifest is None or outputs is None:
@@ -93,7 +97,7 @@ def _results(facts: Facts, files: Files, folder: str, paths: list[str]) -> Itera
         for found in sorted(facts.version_ids.get(path, set()) - {manifest.version_id}):
             yield Fault(str(root / path), "version_id", found, f"{manifest.version_id}, as the manifest")
         if path.endswith(".nc"):
-            problems, version_id = hdf5_problems(root / path)
+            problems, version_id = datasets[root / path]
             for problem in problems:
                 yield Fault(str(root / path), "", problem, "a dataset whole in itself")
             if not problems and version_id != manifest.version_id:

@@ -1,12 +1,17 @@
 """A dataset that came from elsewhere, looked at before anything is read from it.
 
 Refused: links to other files, data that lie in other files, filters that would load code, and shapes that
-would fill the memory. Only the file's own directory of objects is read, no data.
+would fill the memory. Only the file's own directory of objects is read, no data. It is read in a process
+apart: a spoilt file can keep the HDF5 library busy for ever, or end its process.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import multiprocessing
+import resource
+import signal
+from collections.abc import Iterator, Sequence
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +24,49 @@ _LARGEST_RATIO = 1100
 _SMALL_BYTES = 1 << 24
 
 
-def hdf5_problems(path: Path) -> tuple[list[str], str | None]:
-    """What a dataset's file must not have, each in words; and the version id that it carries."""
+#: What a file may take of processor time and of memory; ours take a thousandth of it.
+_LONGEST_S = 2.0
+_MOST_MEMORY_BYTES = 1 << 32
+_UNREAD = "a file that HDF5 does not read"
+
+#: What a dataset's file must not have, each in words; and the version id that it carries.
+Looked = tuple[list[str], str | None]
+
+
+def look_at(paths: Sequence[Path]) -> dict[Path, Looked]:
+    """What each dataset's file must not have, each in words; and the version id that it carries."""
+    import h5py  # noqa: F401  before the fork, so that it is imported once
+
+    fork = multiprocessing.get_context("fork")
+    found: dict[Path, Looked] = {}
+    while left := [path for path in paths if path not in found]:
+        answers, sends = fork.Pipe(duplex=False)
+        process = fork.Process(target=_look_apart, args=(left, sends), daemon=True)
+        process.start()
+        sends.close()
+        try:
+            for path in left:
+                found[path] = answers.recv()
+        except EOFError:
+            found[path] = [f"{_UNREAD} (the attempt did not end)"], None
+        finally:
+            process.join()
+            answers.close()
+    return found
+
+
+def _look_apart(paths: Sequence[Path], sends: Connection) -> None:
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (_MOST_MEMORY_BYTES, limits[1]))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    # The process ends by the signal itself: no handler of Python's would be called inside the library.
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)
+    for path in paths:
+        signal.setitimer(signal.ITIMER_PROF, _LONGEST_S)
+        sends.send(_look(path))
+
+
+def _look(path: Path) -> Looked:
     import h5py
 
     try:
@@ -29,7 +75,7 @@ def hdf5_problems(path: Path) -> tuple[list[str], str | None]:
             problems = list(_problems(file, h5py, path.stat().st_size))
             return problems, found if isinstance(found, str) else None
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, ArithmeticError, MemoryError) as error:
-        return [f"a file that HDF5 does not read ({' '.join(str(error).split())[:100]})"], None
+        return [f"{_UNREAD} ({' '.join(str(error).split())[:100]})"], None
 
 
 def _problems(file: Any, h5py: Any, size: int) -> Iterator[str]:

@@ -199,6 +199,16 @@ def test_a_dataset_that_is_none(bag):
     refused(bag, DATASET, "HDF5 does not read")
 
 
+def test_a_dataset_that_keeps_hdf5_busy_for_ever(bag):
+    raw = bytearray((bag / DATASET).read_bytes())
+    at = raw.index(b"GCOL") + 16  # the heap of strings; its objects: index, count, size, padded content
+    while raw[at]:
+        at += 16 + -(-int.from_bytes(raw[at + 8 : at + 16], "little") // 8) * 8
+    raw[at + 8 : at + 16] = bytes(8)  # the space that is left, of no size
+    cover_up(bag, DATASET, bytes(raw))
+    refused(bag, DATASET, "HDF5 does not read")
+
+
 def test_a_cover_up_without_a_change_is_sound(bag):
     """The tests above refuse for what they spoil, not for how they cover it up."""
     cover_up(bag, DATASET, None)
