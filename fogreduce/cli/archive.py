@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from fogreduce.cli.options import add_places
 from fogreduce.errors import BadInput
 
 HELP = "archive reduced campaigns: a BagIt bag each, with captures, results and software"
@@ -16,16 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for the bags, DIR/<campaign>"
     )
-    parser.add_argument(
-        "--campaigns", type=Path, default=Path("campaigns"), metavar="DIR", help="folder of the campaigns"
-    )
-    parser.add_argument(
-        "--calibrations",
-        type=Path,
-        default=Path("calibrations"),
-        metavar="DIR",
-        help="folder of the calibration records",
-    )
+    add_places(parser)
     parser.add_argument(
         "--only", metavar="NAME,...", help="campaigns to archive (default: all that have results)"
     )

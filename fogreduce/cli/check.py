@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput, Fault
 
 if TYPE_CHECKING:
@@ -22,13 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "path", metavar="PATH", type=Path, help="run folder, campaign folder or metadata file (.yaml)"
     )
-    parser.add_argument(
-        "--calibrations",
-        metavar="DIR",
-        type=Path,
-        default=Path("calibrations"),
-        help="folder of the calibration records (default: %(default)s)",
-    )
+    add_calibrations(parser)
 
 
 def run(args: argparse.Namespace) -> int:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from fogreduce.cli.trace import add_places
+from fogreduce.cli.options import add_places
 
 HELP = "show the versions of a run's results, and what changed between them"
 

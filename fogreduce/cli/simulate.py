@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
@@ -19,13 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "campaign", metavar="CAMPAIGN", type=Path, help="campaign folder; captures are not needed"
     )
-    parser.add_argument(
-        "--calibrations",
-        metavar="DIR",
-        type=Path,
-        default=Path("calibrations"),
-        help="folder of the calibration records (default: %(default)s)",
-    )
+    add_calibrations(parser)
     parser.add_argument("--out", metavar="DIR", type=Path, help="becomes a campaign folder with the captures")
     parser.add_argument(
         "--effects", metavar="FILE", type=Path, help="effects to put in (fogreduce/effects/1)"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from fogreduce.cli.options import add_places
+
 HELP = "trace one cell of a table back to the bytes that it came from"
 
 
@@ -23,20 +25,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="text, json, or prov (PROV-JSON) (default: %(default)s)",
     )
     add_places(parser)
-
-
-def add_places(parser: argparse.ArgumentParser) -> None:
-    """Options that say where the inputs of results lie; a bag has its own."""
-    parser.add_argument(
-        "--campaigns", type=Path, default=Path("campaigns"), metavar="DIR", help="folder of the campaigns"
-    )
-    parser.add_argument(
-        "--calibrations",
-        type=Path,
-        default=Path("calibrations"),
-        metavar="DIR",
-        help="folder of the calibration records",
-    )
 
 
 def run(arguments: argparse.Namespace) -> int:
