@@ -3,7 +3,8 @@
 Each run's blocks are dealt in turn to two folds; causes are fitted on one and held against the other, both
 ways.
 What is summed are the squared deviates of the features in which the gap shows and of those that the causes
-change, noise and stated uncertainties in the metric: its expectation, when nothing is left, is their number.
+change, as the catalogue has them and as they may depart from it, noise and stated uncertainties in their
+metric: its expectation, when nothing is left, is their number.
 """
 
 from __future__ import annotations
@@ -15,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.gap.candidates import Candidate
-from fogreduce.gap.causes import Cause, modelled, refined
+from fogreduce.gap.causes import Cause
 from fogreduce.gap.data import Data
+from fogreduce.gap.departures import departures
 from fogreduce.gap.fast import Fast
-from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
+from fogreduce.gap.fitted import modelled, refined
+from fogreduce.gap.noise_model import Metric, Rows, Whitener, nuisances, whitener
 from fogreduce.gap.search import Search, _processes
 from fogreduce.gap.where import Place
 
@@ -79,9 +82,12 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
             model = refined(data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y, rounds=3)
             there = modelled(data.inputs, model.causes, held.whiten, nominal)
-            features = _features(search, families, there.slopes, held.whiten)
+            shapes = _shapes(data, model.causes, held.whiten.rows)
+            features = _features(search, families, there.slopes, shapes, held.whiten)
             # a random process does not change what is predicted but how far from it one may be
-            one, number = _sum(bare.metric, _features(search, families, there.slopes, bare.whiten), bare.y)
+            one, number = _sum(
+                bare.metric, _features(search, families, there.slopes, shapes, bare.whiten), bare.y
+            )
             two, _ = _sum(held.metric, features, held.y - there.change)
             before, after, expected = before + one, after + two, expected + number
             wrong = _placebo(search, slow, fitted, held)
@@ -133,10 +139,19 @@ def _fold(search: Search, parity: int, causes: Sequence[Cause]) -> _Fold:
     return _Fold(whiten, Metric.of(whiten(nuisances(data.inputs, actions))), y)
 
 
-def _features(search: Search, families: Sequence[Candidate], slopes: Array, whiten: Whitener) -> Array:
-    """Whitened columns (rows, m) of features and causes under a fold's whitener."""
+def _shapes(data: Data, slow: Sequence[Cause], rows: Rows) -> Array:
+    """Columns (rows, m) in which the causes would show that their shapes are not quite the catalogue's."""
+    actions = [replace(c.action(data.run_ids, data.n), ordinal=k) for k, c in enumerate(slow)]
+    columns = [departures(data.inputs, actions, k, rows) for k in range(len(slow))]
+    return np.column_stack([np.zeros((rows.total, 0)), *columns])
+
+
+def _features(
+    search: Search, families: Sequence[Candidate], slopes: Array, shapes: Array, whiten: Whitener
+) -> Array:
+    """Whitened columns (rows, m) of features, causes and their departures under a fold's whitener."""
     ground = search.ground.whiten
-    columns = [slopes]
+    columns = [slopes, whiten(shapes)]
     for family in families:
         if sum(c.shape[1] for c in columns) + family.columns.shape[2] > _MOST_FEATURES:
             continue

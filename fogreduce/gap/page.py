@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap import svg
-from fogreduce.gap.causes import simulated
 from fogreduce.gap.diagnose import Diagnosis
+from fogreduce.gap.fitted import simulated
 
 Array = NDArray[np.float64]
 

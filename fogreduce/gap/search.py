@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.gap.candidates import Builder, Candidate
-from fogreduce.gap.causes import Cause, Model, modelled, refined
+from fogreduce.gap.causes import Cause
 from fogreduce.gap.data import Data
 from fogreduce.gap.evidence import Field, Fit, log_bayes
 from fogreduce.gap.families import families
 from fogreduce.gap.fast import Fast
 from fogreduce.gap.findings import Finding
+from fogreduce.gap.fitted import Model, modelled, refined
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
 from fogreduce.gap.processes import CATALOGUED, Processes
 

@@ -1,0 +1,232 @@
+"""Causes in the chain, simulated again, and fitted by Gauss-Newton on the simulator itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.effects.table import EFFECTS
+from fogreduce.gap.capture import RunInput
+from fogreduce.gap.causes import SHAPES, UNSEEN, Cause
+from fogreduce.gap.departures import departures
+from fogreduce.gap.noise_model import Metric, Rows, Whitener
+
+Array = NDArray[np.float64]
+
+_RISE_S = 2.0  # no step is quite sudden: doubt of its instant [s]
+#: A time constant is looked at over so wide a range about the best one.
+_WIDE = np.geomspace(0.1, 10.0, 11)
+
+
+@dataclass(frozen=True)
+class Model:
+    """Causes in the chain, and how the residual looks beside them.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+    change : (rows,) array
+        What they change, whitened.
+    slopes : (rows, p) array
+        Its derivatives by every free number of the slow causes, whitened.
+    """
+
+    causes: tuple[Cause, ...]
+    change: Array
+    slopes: Array
+
+
+def simulated(inputs: Sequence[RunInput], causes: Sequence[Cause], rows: Rows) -> Array:
+    """Block means of the chain with causes in it, (rows,) [deg/h]."""
+    ids, n = [one.facts.run_id for one in inputs], rows.n
+    actions = [replace(c.action(ids, n), ordinal=k) for k, c in enumerate(causes) if c.slow]
+    return rows.stacked([one.scene.block_means(actions) for one in inputs])
+
+
+def _steps(cause: Cause, name: str, length_s: float) -> float:
+    value = cause.theta[name]
+    if name == "time_s":
+        return 0.5 * length_s
+    if name in SHAPES:
+        return max(abs(value) * SHAPES[name], 1e-9)
+    return max(abs(value) * 1e-2, 1e-6)
+
+
+def modelled(inputs: Sequence[RunInput], causes: Sequence[Cause], whiten: Whitener, nominal: Array) -> Model:
+    """The causes simulated, with their derivatives."""
+    rows = whiten.rows
+    at = simulated(inputs, causes, rows)
+    slopes = []
+    for k, cause in enumerate(causes):
+        if not cause.slow:
+            continue
+        for name in cause.theta:
+            step = _steps(cause, name, inputs[0].scene.blocks.length_s)
+            moved = replace(cause, theta={**cause.theta, name: cause.theta[name] + step})
+            other = [*causes[:k], moved, *causes[k + 1 :]]
+            slopes.append((simulated(inputs, other, rows) - at) / step)
+    columns = np.column_stack(slopes) if slopes else np.zeros((rows.total, 0))
+    return Model(tuple(causes), whiten((at - nominal)[:, None])[:, 0], whiten(columns))
+
+
+def modelled_change(
+    inputs: Sequence[RunInput], causes: Sequence[Cause], whiten: Whitener, nominal: Array
+) -> Array:
+    """What causes change, whitened (rows,)."""
+    return whiten((simulated(inputs, causes, whiten.rows) - nominal)[:, None])[:, 0]
+
+
+def refined(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+    rounds: int = 4,
+) -> Model:
+    """The causes with the parameters that fit best, by damped Gauss-Newton; standard deviations from the
+    curvature.
+    """
+    model = modelled(inputs, causes, whiten, nominal)
+    chi2 = _chi2(metric, y - model.change)
+    for _ in range(rounds):
+        if not model.slopes.shape[1]:
+            return model
+        gram = metric.gram(model.slopes, model.slopes)
+        scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+        step = (
+            np.linalg.lstsq(
+                gram / np.outer(scale, scale),
+                metric.gram(model.slopes, (y - model.change)[:, None])[:, 0] / scale,
+                rcond=1e-10,
+            )[0]
+            / scale
+        )
+        damping, better = 1.0, False
+        while damping > 0.05:
+            moved = _moved(model.causes, damping * step)
+            trial = modelled(inputs, moved, whiten, nominal)
+            found = _chi2(metric, y - trial.change)
+            if found <= chi2 + 1e-9:
+                better = found < chi2 - 0.01
+                model, chi2 = trial, found
+                break
+            damping *= 0.35
+        if not better:
+            break
+    causes = _with_spread(model.causes, _spread(inputs, model, whiten, metric))
+    held = [
+        _widened(inputs, causes, k, whiten, nominal, metric, y) if "tau_s" in c.theta else c
+        for k, c in enumerate(causes)
+    ]
+    return replace(model, causes=tuple(held))
+
+
+def _widened(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    which: int,
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+) -> Cause:
+    """A decaying effect with the spread of amplitude and time constant that the likelihood far from its peak
+    has.
+    """
+    cause = causes[which]
+    own, tau = cause.theta["deg_h"], cause.theta["tau_s"]
+    values, logs = [], []
+    for factor in _WIDE.tolist():
+        moved = replace(cause, theta={"deg_h": own, "tau_s": _within(cause, "tau_s", tau * factor)})
+        change = modelled_change(inputs, [*causes[:which], moved, *causes[which + 1 :]], whiten, nominal)
+        without = modelled_change(inputs, [*causes[:which], *causes[which + 1 :]], whiten, nominal)
+        column, left = (change - without)[:, None], (y - without)[:, None]
+        gram = max(float(metric.gram(column, column)[0, 0]), 1e-12)
+        size = float(metric.gram(column, left)[0, 0]) / gram
+        values.append((size * own, moved.theta["tau_s"], own**2 / gram))
+        logs.append(0.5 * size**2 * gram)
+    weight = np.exp(np.array(logs) - max(logs))
+    weight /= weight.sum()
+    a, t, variance = np.array(values).T
+    wide = {
+        "deg_h": float(np.sqrt(weight @ ((a - own) ** 2 + variance))),
+        "tau_s": float(np.sqrt(weight @ (t - tau) ** 2)),
+    }
+    return replace(cause, std={name: max(cause.std[name], wide[name]) for name in cause.std})
+
+
+def _spread(inputs: Sequence[RunInput], model: Model, whiten: Whitener, metric: Metric) -> Array:
+    """Covariance of all free numbers: from the curvature, and from how the effects may depart from their
+    shapes.
+    """
+    slow = [c for c in model.causes if c.slow]
+    weak = np.concatenate([_weak(c) for c in slow])
+    covariance = np.linalg.pinv(
+        metric.gram(model.slopes, model.slopes) + np.diag(weak), rcond=1e-13, hermitian=True
+    )
+    ids, n = [one.facts.run_id for one in inputs], whiten.rows.n
+    actions = [replace(c.action(ids, n), ordinal=k) for k, c in enumerate(slow)]
+    total: Array = np.asarray(covariance, np.float64)
+    for k in range(len(slow)):
+        shapes = departures(inputs, actions, k, whiten.rows)
+        if shapes.shape[1]:
+            shift = covariance @ metric.gram(model.slopes, whiten(shapes))
+            total = total + shift @ shift.T
+    return total
+
+
+def _weak(cause: Cause) -> Array:
+    """Inverse variances of a cause's numbers before any data: a vector is of no more than its own size."""
+    out = np.zeros(len(cause.theta))
+    parts = [k for k, name in enumerate(cause.theta) if name.endswith("]")]
+    values = list(cause.theta.values())
+    size = float(np.sqrt(sum(values[k] ** 2 for k in parts)))
+    if size > 0.0:
+        out[parts] = (UNSEEN * size) ** -2.0
+    return out
+
+
+def _chi2(metric: Metric, y: Array) -> float:
+    return float(metric.gram(y[:, None], y[:, None])[0, 0])
+
+
+def _moved(causes: Sequence[Cause], step: Array) -> list[Cause]:
+    out, k = [], 0
+    for cause in causes:
+        if cause.slow:
+            theta = dict(cause.theta)
+            for name in theta:
+                theta[name] = _within(cause, name, theta[name] + float(step[k]))
+                k += 1
+            cause = replace(cause, theta=theta)
+        out.append(cause)
+    return out
+
+
+def _within(cause: Cause, name: str, value: float) -> float:
+    """A number kept to what the effect accepts."""
+    for p in EFFECTS[cause.effect].parameters:
+        if p.name == name:
+            low = max(p.low, 1e-3) if name == "tau_s" else p.low
+            return float(np.clip(value, low, p.high))
+    return value
+
+
+def _with_spread(causes: Sequence[Cause], spread: Array) -> tuple[Cause, ...]:
+    out, k = [], 0
+    for cause in causes:
+        if cause.slow:
+            own = spread[k : k + len(cause.theta), k : k + len(cause.theta)]
+            std = dict(zip(cause.theta, np.sqrt(np.maximum(np.diag(own), 0.0)).tolist(), strict=True))
+            if "time_s" in std:
+                std["time_s"] = float(np.hypot(std["time_s"], _RISE_S))
+            out.append(replace(cause, std=std, spread=own))
+            k += len(cause.theta)
+        else:
+            out.append(cause)
+    return tuple(out)
