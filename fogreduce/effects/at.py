@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from fogreduce.effects.gyro_names import gyro_name
 
 if TYPE_CHECKING:
     from fogreduce.datasets.logs import TemperatureLog
@@ -28,10 +31,9 @@ class Place:
     group : tuple of int
         Indices of all gyros that the entry names.
     n_gyros : int
-    generator : numpy.random.Generator
-        The effect's own stream, for this run and gyro.
-    phase_rad : float
-        Drawn once for this run: the phase of an effect whose phase is not given.
+    source : callable
+        From a word to a generator: the effect's random streams in this run. Making one costs more than most
+        effects do, so that none is made before it is asked for.
     state : dict
         Carried from block to block.
     """
@@ -40,9 +42,18 @@ class Place:
     gyro: int
     group: tuple[int, ...]
     n_gyros: int
-    generator: np.random.Generator
-    phase_rad: float
+    source: Callable[[str], np.random.Generator]
     state: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def generator(self) -> np.random.Generator:
+        """The effect's own stream, for this run and gyro."""
+        return self.source(gyro_name(self.gyro))
+
+    @cached_property
+    def phase_rad(self) -> float:
+        """Drawn once for this run: the phase of an effect whose phase is not given."""
+        return float(self.source("phase").uniform(0.0, 2.0 * np.pi))
 
 
 @dataclass(frozen=True)

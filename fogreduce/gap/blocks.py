@@ -5,6 +5,7 @@ asked.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -73,10 +74,13 @@ class Blocks:
 
     def means(self, values: NDArray[Any]) -> Array:
         """Means over each block of values (..., K) at `time_s`: (..., count)."""
-        sizes = np.diff(np.append(self.first, len(self.time_s)))
-        means = np.empty((*values.shape[:-1], self.count))
-        means[...] = np.add.reduceat(values, self.first, axis=-1) / sizes
+        means: Array = np.add.reduceat(values, self.first, axis=-1) / self._asked
         return means
+
+    @cached_property
+    def _asked(self) -> Array:
+        """(count,) times in each block."""
+        return np.diff(np.append(self.first, len(self.time_s))).astype(np.float64)
 
     def of_samples(self, time_s: Array) -> NDArray[np.intp]:
         """The block of each sample; `count` for those beyond the last."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -109,6 +110,28 @@ class Candidate:
             self.runs,
             str(self.extra.get("source", self.extra.get("with", ""))),
         )
+
+    @cached_property
+    def flat(self) -> Array:
+        """Columns as one matrix, (rows, J k)."""
+        return self.columns.reshape(len(self.columns), -1)
+
+    @cached_property
+    def gram(self) -> Array:
+        """Inner products of the columns at each point of the grid, (J, k, k)."""
+        return pairs(self.columns, self.columns)
+
+
+def pairs(x: Array, y: Array) -> Array:
+    """Inner products over the first axis of (m, J, k) and (m, J, l), point by point: (J, k, l)."""
+    j, k, columns = x.shape[1], x.shape[2], y.shape[2]
+    if j == 1:
+        return (x[:, 0].T @ y[:, 0])[None]
+    out = np.empty((j, k, columns))
+    for a in range(k):
+        for b in range(columns):
+            np.einsum("mj,mj->j", x[:, :, a], y[:, :, b], out=out[:, a, b])
+    return out
 
 
 class Builder:
@@ -309,10 +332,9 @@ class Builder:
         for kind in ("threshold", "subtractive"):
             parts = []
             for one in self.inputs:
-                blocks, place = one.scene.blocks, Place("", 0, (), self.n, stream(0, "gap"), 0.0)
-                forward = ForwardRun(
-                    one.facts, None, [a for a in self.base if self._is_early(a)], one.scene.temperature
-                )
+                blocks, place = one.scene.blocks, Place("", 0, (), self.n, partial(stream, 0, "gap"))
+                early = [a for a in self.base if self._is_early(a)]
+                forward = ForwardRun(one.facts, None, early, one.scene.temperature, turning=one.scene.turning)
                 m = forward.readings(blocks.time_s)
                 at = At(place, blocks.time_s, 1.0, forward.motion, forward.axes[0], None, m, m[0])
                 changes = [
@@ -342,16 +364,26 @@ class Builder:
         if "saturation" not in self.allowed:
             return
         facts = self.inputs[0].facts
+        limits = []
         for i in range(self.n):
             largest = max(
                 float(np.abs(p[i]).max()) / SECONDS_PER_HOUR * abs(facts.scale_factor[i]) for p in self.plain
             )
-            limits = [self.rails[i]] if i in self.rails else (_CLIPS * largest).tolist()
-            columns = [self.difference([("saturation", [self.names[i]], {"volts": v})]) for v in limits]
-            grid = tuple({"volts": v} for v in limits)
-            yield self._at_gyro(
-                "saturation", i, self.gyro_columns(i, columns)[:, :, None], grid=grid, fixed=True
+            limits.append([self.rails[i]] if i in self.rails else (_CLIPS * largest).tolist())
+        # what clips one gyro changes no other: all are clipped at once
+        columns = [
+            self.difference(
+                [
+                    ("saturation", [name], {"volts": own[min(k, len(own) - 1)]})
+                    for name, own in zip(self.names, limits, strict=True)
+                ]
             )
+            for k in range(max(len(own) for own in limits))
+        ]
+        for i, own in enumerate(limits):
+            white = self.gyro_columns(i, columns[: len(own)])[:, :, None]
+            grid = tuple({"volts": v} for v in own)
+            yield self._at_gyro("saturation", i, white, grid=grid, fixed=True)
 
     def _pairs(self) -> Iterator[Candidate]:
         if "crosstalk" not in self.allowed:

@@ -75,10 +75,11 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     placebo: list[float] = []
     if families or slow:
         nominal = search.ground.nominal
-        folds = [_fold(search, parity, causes) for parity in (0, 1)]
+        columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
+        folds = [_fold(search, parity, causes, columns) for parity in (0, 1)]
         plain = folds
         if _processes(causes):
-            plain = [_fold(search, parity, [c for c in causes if c.slow]) for parity in (0, 1)]
+            plain = [_fold(search, parity, slow, columns) for parity in (0, 1)]
         for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
             model = refined(data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y, rounds=3)
             there = modelled(data.inputs, model.causes, held.whiten, nominal)
@@ -131,12 +132,11 @@ def _masks(data: Data, parity: int) -> list[NDArray[np.bool_]]:
     return masks
 
 
-def _fold(search: Search, parity: int, causes: Sequence[Cause]) -> _Fold:
+def _fold(search: Search, parity: int, causes: Sequence[Cause], columns: Array) -> _Fold:
     data = search.data.with_parts(_masks(search.data, parity))
     whiten = whitener(data.inputs, data.sizes, search.fast.level, _processes(causes))
     y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
-    actions = [c.action(data.run_ids, data.n) for c in causes if c.slow]
-    return _Fold(whiten, Metric.of(whiten(nuisances(data.inputs, actions))), y)
+    return _Fold(whiten, Metric.of(whiten(columns)), y)
 
 
 def _shapes(data: Data, slow: Sequence[Cause], rows: Rows) -> Array:

@@ -17,6 +17,7 @@ from fogreduce.gap.data import Data, read_data
 from fogreduce.gap.search import Search
 from fogreduce.gap.verdict import Named, Verdict, judged
 from fogreduce.gap.where import Place
+from fogreduce.physics.special import log_chi2_tail
 
 SCHEMA = "fogreduce/diagnosis/1"
 
@@ -166,7 +167,7 @@ def _remainder(search: Search, verdict: Verdict) -> dict[str, Any]:
             if option.fit is not None
             else getattr(option.source, "degrees", 1)
         )
-        log_ps.append(min(where.log_tail(max(option.q, 1e-9), int(k)) + np.log(300.0), 0.0))
+        log_ps.append(min(log_chi2_tail(max(option.q, 1e-9), int(k)) + np.log(300.0), 0.0))
     findings = [o.finding for o in options if o.finding is not None]
     doubt = search.doubt_at(verdict.state, ["table"])
     found = (

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.candidates import Candidate, pairs
 from fogreduce.gap.noise_model import Metric
+from fogreduce.physics.special import log_normal_tail
 
 Array = NDArray[np.float64]
 
@@ -93,21 +94,18 @@ class Field:
         """Y' S^-1 y."""
         return float(self.y @ self.y - (self.metric.a.T @ self.y) @ self.shrunk)
 
-    def products(self, rows: slice, columns: Array) -> tuple[Array, Array, Array]:
-        """Of columns (rows, J, k): b (J, k), G (J, k, k), and the columns' nuisance parts (q, J, k)."""
-        a = self.metric.a[rows]
-        m, j, k = columns.shape
-        flat = columns.reshape(m, j * k)
-        ax = a.T @ flat
-        b = flat.T @ self.y[rows] - ax.T @ self.shrunk
-        shrunk = (self.metric.shrink @ ax).reshape(-1, j, k)
-        ax3 = ax.reshape(-1, j, k)
-        gram = np.einsum("mjk,mjl->jkl", columns, columns) - np.einsum("qjk,qjl->jkl", ax3, shrunk)
-        return b.reshape(j, k), gram, ax3
+    def products(self, candidate: Candidate) -> tuple[Array, Array]:
+        """Of a candidate's columns: b (J, k) and G (J, k, k)."""
+        flat, (_, j, k) = candidate.flat, candidate.columns.shape
+        ax = self.metric.onto(flat, candidate.rows)
+        b = flat.T @ self.y[candidate.rows] - ax.T @ self.shrunk
+        shrunk = self.metric.shrink @ ax
+        gram = candidate.gram - pairs(ax.reshape(-1, j, k), shrunk.reshape(-1, j, k))
+        return b.reshape(j, k), gram
 
     def fit(self, candidate: Candidate) -> Fit:
         """Evidence and best coefficients of a candidate."""
-        b, gram, _ = self.products(candidate.rows, candidate.columns)
+        b, gram = self.products(candidate)
         k = b.shape[1]
         if candidate.fixed:
             gain = b[:, 0] - 0.5 * gram[:, 0, 0]
@@ -121,16 +119,14 @@ class Field:
                 np.zeros((1, 1)),
             )
         # what is not seen at all must not be divided by
-        floor = 1e-10 * np.einsum("mjk,mjk->jk", candidate.columns, candidate.columns) + 1e-30
+        floor = 1e-10 * np.diagonal(candidate.gram, axis1=1, axis2=2) + 1e-30
         gram = gram + floor[:, :, None] * np.eye(k)
-        inverse = np.linalg.inv(gram)
-        found = np.einsum("jkl,jl->jk", inverse, b)
-        q = np.maximum(np.einsum("jk,jk->j", b, found), 0.0)
+        inverse = 1.0 / gram if k == 1 else np.linalg.inv(gram)
+        found = (inverse @ b[:, :, None])[:, :, 0]
+        q = np.maximum(np.sum(b * found, axis=1), 0.0)
         logs = log_bayes(q, k)
         if candidate.positive and k == 1:
-            from scipy.special import log_ndtr
-
-            sign = found[:, 0] * candidate.steps[:, 0]
-            logs = logs + np.log(2.0) + log_ndtr(np.sign(sign) * np.sqrt(q))
+            sign = np.sign(found[:, 0] * candidate.steps[:, 0])
+            logs = logs + np.log(2.0) + [log_normal_tail(float(x)) for x in sign * np.sqrt(q)]
         best = int(np.argmax(logs))
         return Fit(candidate, float(log_mean_exp(logs)), best, float(q[best]), found[best], inverse[best])

@@ -47,6 +47,7 @@ class Fast:
         plain = levels(data.full, self.facts, data.stated_white, [[]] * n, data.bits.astype(float))
         whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
         self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3)
+        self._known_lines: dict[tuple[float, ...], list[Finding]] = {}
         lines = self._lines([])
         spoiled: list[list[float]] = [[] for _ in range(n)]
         for line in lines:
@@ -95,9 +96,12 @@ class Fast:
         return shape
 
     def _lines(self, taken: Sequence[float]) -> list[Finding]:
-        return line_findings(
-            self.data.full, self.facts, self.data.stated_white, self.whole, self.allowed, taken
-        )
+        key = tuple(taken)
+        if key not in self._known_lines:
+            self._known_lines[key] = line_findings(
+                self.data.full, self.facts, self.data.stated_white, self.whole, self.allowed, taken
+            )
+        return self._known_lines[key]
 
     def findings(self, causes: Sequence[Cause]) -> list[Finding]:
         """What may be added to the causes."""

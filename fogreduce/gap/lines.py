@@ -11,7 +11,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import i0e
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.gyro_names import gyro_name
@@ -20,6 +19,7 @@ from fogreduce.gap.findings import Finding
 from fogreduce.gap.full_rate import FullRate
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.noise import white_sigma
+from fogreduce.physics.special import log_i0
 
 Array = NDArray[np.float64]
 
@@ -28,19 +28,14 @@ _LEADERS = 60
 _DRIFTS = 0.05  # of a spectrum's resolution: a real line is not quite steady
 
 
-def _log_i0(x: Array) -> Array:
-    result: Array = np.log(i0e(x)) + x
-    return result
-
-
 def sizes_log(moduli: Array) -> tuple[Array, Array]:
     """Ln mean likelihood over sizes, and the best size's, for moduli (..., runs)."""
     runs = moduli.shape[-1]
     s = _SIZES / np.sqrt(runs)
-    logs = _log_i0(moduli[..., None, :] * s[:, None]).sum(axis=-1) - 0.5 * runs * s**2
+    logs = log_i0(moduli[..., None, :] * s[:, None]).sum(axis=-1) - 0.5 * runs * s**2
     # sizes lie further apart than the likelihood is wide: the best one is looked for between them
     best = np.sqrt(np.maximum(np.sum(moduli**2, axis=-1) - 2.0 * runs, 0.0) / runs)
-    top = _log_i0(moduli * best[..., None]).sum(axis=-1) - 0.5 * runs * best**2
+    top = log_i0(moduli * best[..., None]).sum(axis=-1) - 0.5 * runs * best**2
     narrow = np.log(2.5 / np.maximum(best * np.sqrt(runs), 2.5))
     mean = np.maximum(log_mean_exp(logs), top + narrow - np.log(3.0))
     return mean, np.maximum(top, logs.max(axis=-1))
@@ -74,7 +69,12 @@ def line_findings(
         return []
     hz, n = usable[0].line_hz, facts.n_gyros
     white = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in stated * level]) * SECONDS_PER_HOUR
-    z = np.array([run.lines / white[:, None] for run in usable])  # (R, n, L)
+    awake = ~np.array([run.at_rest for run in usable])  # (R, n)
+    # |z|^2 of each gyro, summed over runs: (n, L)
+    power = np.zeros((n, longest))
+    for run, here in zip(usable, awake, strict=True):
+        power[here] += run.lines.real[here] ** 2 + run.lines.imag[here] ** 2
+    power /= white[:, None] ** 2
     free = np.ones(longest, bool)
     step = hz[1] - hz[0] if longest > 1 else 1.0
     for line in taken_hz:
@@ -84,22 +84,24 @@ def line_findings(
     duration = samples / facts.sample_rate_hz
     out: list[Finding] = []
     for i in range(n):
-        awake = np.array([not run.at_rest[i] for run in usable])
-        if not awake.any():
+        heard = [run for run, there in zip(usable, awake[:, i], strict=True) if there]
+        if not heard:
             continue
-        moduli = np.abs(z[awake, i]).T
-        found = _best(moduli, free)
-        if found is None:
+        leaders = _leading(power[i], free)
+        leaders = leaders[power[i, leaders] > 0.0]
+        if not leaders.size:
             continue
-        k, log_sum, top = found
+        moduli = np.abs(np.array([run.lines[i, leaders] for run in heard]).T) / white[i]
+        best, log_sum, top = _best(moduli)
+        k = int(leaders[best])
         log_b = log_sum - np.log(count)
         amplitude = float(
-            np.sqrt(max(np.mean(moduli[k] ** 2) - 2.0, 0.1)) * white[i] * np.sqrt(2.0 / samples)
+            np.sqrt(max(np.mean(moduli[best] ** 2) - 2.0, 0.1)) * white[i] * np.sqrt(2.0 / samples)
         )
-        std = float(white[i] * np.sqrt(2.0 / samples / awake.sum()))
+        std = float(white[i] * np.sqrt(2.0 / samples / len(heard)))
         parameters = {
             "deg_h": (amplitude, std),
-            "frequency_hz": (_peak_hz(hz, np.sum(moduli**2, axis=1), k), _hz_std(duration, top)),
+            "frequency_hz": (_peak_hz(hz, power[i], k), _hz_std(duration, top)),
         }
         effect = "periodic_interference" if "periodic_interference" in allowed else "unknown"
         out.append(
@@ -114,10 +116,10 @@ def line_findings(
                 "lines",
                 "noise",
                 "line",
-                max(2 * int(awake.sum()), 2),
+                max(2 * len(heard), 2),
             )
         )
-    out += _motion(usable, z, hz, free, count, facts, white, allowed, samples)
+    out += _motion(usable, hz, free, count, facts, white, allowed, samples)
     return out
 
 
@@ -139,25 +141,26 @@ def _peak_hz(hz: Array, power: Array, k: int) -> float:
     return float(hz[k] + shift * (hz[1] - hz[0]))
 
 
-def _best(moduli: Array, free: NDArray[np.bool_]) -> tuple[int, float, float] | None:
+def _leading(power: Array, free: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """The strongest of the lines that are free, the strongest last."""
+    power = np.where(free, power, 0.0)
+    few = np.argpartition(power, -_LEADERS)[-_LEADERS:] if len(power) > _LEADERS else np.arange(len(power))
+    return few[np.argsort(power[few], kind="stable")]
+
+
+def _best(moduli: Array) -> tuple[int, float, float]:
     """The best line of (L, R): its index, ln of the sum of evidence over lines, and twice its best gain's
     half.
     """
-    power = np.where(free, np.sum(moduli**2, axis=1), 0.0)
-    leaders = np.argsort(power)[-_LEADERS:]
-    leaders = leaders[power[leaders] > 0.0]
-    if not leaders.size:
-        return None
-    mean, top = sizes_log(moduli[leaders])
+    mean, top = sizes_log(moduli)
     k = int(np.argmax(mean))
     # neighbours of a line in a spectrum of split lines say the same again
     log_sum = float(log_mean_exp(mean) + np.log(len(mean))) - np.log(2.0)
-    return int(leaders[k]), log_sum, float(top[k])
+    return k, log_sum, float(top[k])
 
 
 def _motion(
     runs: Sequence[FullRate],
-    z: NDArray[np.complex128],
     hz: Array,
     free: NDArray[np.bool_],
     count: float,
@@ -172,13 +175,17 @@ def _motion(
         return []
     seen = facts.axes * facts.frame_signs / white[:, None]
     basis, r_factor = np.linalg.qr(seen)
-    y = np.einsum("rnl,nd->rdl", z, basis)
+    project = (basis / white[:, None]).T  # (d, n)
+    power = np.zeros(len(hz))
+    for run in runs:
+        for part in (run.lines.real, run.lines.imag):
+            power += np.sum((project @ part) ** 2, axis=0)
+    leaders = _leading(power, free)
+    y = np.array([project @ run.lines[:, leaders] for run in runs])  # (R, d, leaders)
     cov = np.einsum("rdl,rel->lde", y.real, y.real) + np.einsum("rdl,rel->lde", y.imag, y.imag)
-    power = np.where(free, np.trace(cov, axis1=1, axis2=2), 0.0)
-    leaders = np.argsort(power)[-_LEADERS:]
-    _, vectors = np.linalg.eigh(cov[leaders])
+    _, vectors = np.linalg.eigh(cov)
     direction = vectors[:, :, -1]  # (leaders, d)
-    moduli = np.abs(np.einsum("rdl,ld->lr", y[:, :, leaders], direction))
+    moduli = np.abs(np.einsum("rdl,ld->lr", y, direction))
     mean, top = sizes_log(moduli)
     gain2 = np.maximum(np.sum(moduli**2, axis=1) - 2.0 * len(runs), 1.0)
     # the direction was chosen: the share of all directions that would have done as well

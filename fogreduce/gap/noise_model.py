@@ -11,7 +11,8 @@ deviation of one, marginalised exactly (Woodbury):
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,16 +77,32 @@ class Whitener:
     filters: dict[tuple[int, int], Array]
 
     def __call__(self, values: Array, rows: slice | None = None) -> Array:
-        """Whitened values (rows, ...) that begin at `rows`' start and fill whole runs; None: all rows."""
+        """Whitened values (rows, k) that begin at `rows`' start and fill whole runs; None: all rows."""
         out = np.empty_like(values)
         begin = 0 if rows is None else rows.start
         end = self.rows.total if rows is None else rows.stop
-        for (i, r), matrix in self.filters.items():
-            part = self.rows.of(i, r)
-            if begin <= part.start and part.stop <= end:
-                here = slice(part.start - begin, part.stop - begin)
-                out[here] = matrix @ values[here]
+        for matrix, parts in self._alike:
+            here = [
+                slice(part.start - begin, part.stop - begin)
+                for part in parts
+                if begin <= part.start and part.stop <= end
+            ]
+            if len(here) == 1:
+                out[here[0]] = matrix @ values[here[0]]
+            elif here:
+                # runs that share a filter go through it together: the filter is read from memory once
+                together = matrix @ np.hstack([values[part] for part in here])
+                for part, column in zip(here, np.hsplit(together, len(here)), strict=True):
+                    out[part] = column
         return out
+
+    @cached_property
+    def _alike(self) -> list[tuple[Array, list[slice]]]:
+        """Each filter with all rows that it whitens."""
+        found: dict[int, tuple[Array, list[slice]]] = {}
+        for (i, r), matrix in self.filters.items():
+            found.setdefault(id(matrix), (matrix, []))[1].append(self.rows.of(i, r))
+        return list(found.values())
 
 
 def block_covariance(
@@ -239,22 +256,49 @@ class Metric:
         Whitened columns, one standard deviation each.
     shrink : (q, q) array
         (1 + A'A)^-1.
+    inner : (q, q) array
+        A'A.
+    parent : Metric or None
+        The one whose columns come first.
     """
 
     a: Array
     shrink: Array
+    inner: Array
+    parent: Metric | None = None
+    _known: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, a: Array) -> Metric:
         """From whitened columns."""
-        return cls(a, np.asarray(np.linalg.inv(np.eye(a.shape[1]) + a.T @ a), np.float64))
+        return cls._of(a, a.T @ a, None)
+
+    @classmethod
+    def _of(cls, a: Array, inner: Array, parent: Metric | None) -> Metric:
+        return cls(a, np.asarray(np.linalg.inv(np.eye(len(inner)) + inner), np.float64), inner, parent)
 
     def beside(self, columns: Array) -> Metric:
         """The same with further whitened columns, quite free in size."""
         if columns.shape[1] == 0:
             return self
         length = np.sqrt(np.maximum(np.sum(columns**2, axis=0), 1e-300))
-        return Metric.of(np.column_stack([self.a, columns * (1e5 / length)]))
+        free = columns * (1e5 / length)
+        cross = self.a.T @ free
+        inner = np.block([[self.inner, cross], [cross.T, free.T @ free]])
+        return Metric._of(np.column_stack([self.a, free]), inner, self)
+
+    def onto(self, columns: Array, rows: slice) -> Array:
+        """A'x of whitened columns (m, k) that stand at `rows`: (q, k).
+
+        Remembered for the metric that others were made from with `beside`: the same columns are held against
+        many residuals.
+        """
+        if self.parent is not None:
+            own = self.a[rows, self.parent.a.shape[1] :].T @ columns
+            return np.vstack([self.parent.onto(columns, rows), own])
+        if id(columns) not in self._known:
+            self._known[id(columns)] = (columns, self.a[rows].T @ columns)
+        return self._known[id(columns)][1]
 
     def gram(self, x: Array, y: Array) -> Array:
         """Inner products of whitened columns x (rows, k) and y (rows, l)."""

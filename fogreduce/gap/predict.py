@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +18,12 @@ from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.effects.at import At, Place
 from fogreduce.effects.model import Stage
+from fogreduce.effects.motion import Motion
 from fogreduce.effects.selection import Action
 from fogreduce.gap.blocks import Blocks
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.scale_factor import rate_from_volts
-from fogreduce.simulate.forward import ForwardRun
+from fogreduce.simulate.forward import ForwardRun, Turning
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
@@ -47,14 +49,18 @@ class Scene:
             return self._of_samples(here)
         return self.blocks.means(self.decoded(self.blocks.time_s, here))
 
+    @cached_property
+    def turning(self) -> Turning:
+        """The motion as stated, at the blocks' times."""
+        return Turning.of(Motion.nominal(self.facts), self.facts, self.blocks.time_s)
+
     def decoded(self, time_s: Array, actions: Sequence[Action] = ()) -> Array:
         """Decoded readings (n, N) [deg/h] at true times [s]; even times where a filter is among the
         effects.
         """
         here = [a for a in actions if self.facts.run_id in a.runs and a.effect.stage in SLOW_STAGES]
-        forward = ForwardRun(
-            self.facts, None, [a for a in here if a.effect.stage in _BEFORE], self.temperature
-        )
+        before = [a for a in here if a.effect.stage in _BEFORE]
+        forward = ForwardRun(self.facts, None, before, self.temperature, turning=self.turning)
         volts = forward.volts(forward.readings(time_s))
         for stage in _AFTER:
             for action in here:
@@ -78,7 +84,9 @@ class Scene:
     def _applied(self, action: Action, volts: Array, time_s: Array, forward: ForwardRun) -> Array:
         before, volts = volts, volts.copy()
         for gyro, parameters in action.acting():
-            place = Place(self.facts.run_id, gyro, action.gyros, self.facts.n_gyros, stream(0, "gap"), 0.0)
+            place = Place(
+                self.facts.run_id, gyro, action.gyros, self.facts.n_gyros, partial(stream, 0, "gap")
+            )
             at = At(
                 place=place,
                 time_s=time_s,

@@ -85,17 +85,20 @@ class Processes:
 
     def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
         """Ln B, best gain in ln likelihood, best size and its error."""
-        powers, values = [], []
+        # runs that share a filter share eigenvectors: (their variances, how many runs, sums of powers)
+        alike: dict[int, tuple[Array, list[Array]]] = {}
         for r, one in enumerate(self.inputs):
             vectors, d = self._eigen(i, r, one.scene.blocks, kind)
-            powers.append((vectors.T @ left[self.whiten.rows.of(i, r)]) ** 2)
-            values.append(d)
-        z2, d = np.concatenate(powers), np.concatenate(values)
+            power = (vectors.T @ left[self.whiten.rows.of(i, r)]) ** 2
+            alike.setdefault(id(d), (d, []))[1].append(power)
+        d = np.concatenate([d for d, _ in alike.values()])
+        runs = np.concatenate([np.full(len(d), float(len(p))) for d, p in alike.values()])
+        z2 = np.concatenate([np.sum(p, axis=0) for _, p in alike.values()])
         # sizes from where the process would hardly show to where it drowns everything
-        order = 1.0 / max(float(np.sqrt(np.sum(d**2))), 1e-300)
+        order = 1.0 / max(float(np.sqrt(np.sum(runs * d**2))), 1e-300)
         a2 = order * np.geomspace(_LOWEST, _LOWEST * _HIGHEST, _STEPS)
         grown = a2[:, None] * d
-        logs = np.sum(-0.5 * np.log1p(grown) + 0.5 * z2 * grown / (1.0 + grown), axis=1)
+        logs = 0.5 * ((grown / (1.0 + grown)) @ z2 - np.log1p(grown) @ runs)
         k = int(np.argmax(logs))
         size = float(np.sqrt(a2[k]))
         inside = min(max(k, 1), _STEPS - 2)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,6 +130,13 @@ class State:
     causes: list[Cause]
     field: Field
     ground: Ground
+
+    @cached_property
+    def seen(self) -> float:
+        """Share of what the causes change that the stated uncertainties could not have made."""
+        change = self.model.change
+        left = self.ground.metric.without(change)
+        return max(float(change @ left), 0.0) / max(float(change @ change), 1e-300)
 
 
 @dataclass(frozen=True)
@@ -256,11 +264,7 @@ class Search:
             parts = [change]
         else:
             parts = [change[rows.of(int(name[4:]) - 1)] for name in channels]
-        metric = state.ground.metric
-        whole = change - metric.a @ (metric.shrink @ (metric.a.T @ change))
-        # what nuisances could have made is no part of a cause's size
-        seen = max(float(change @ whole), 0.0) / max(float(change @ change), 1e-300)
-        return doubt * float(np.sqrt(seen * sum(float(part @ part) for part in parts)))
+        return doubt * float(np.sqrt(state.seen * sum(float(part @ part) for part in parts)))
 
     def credit(self, step: Step) -> float:
         """What departures from shape explain of what the unknown would take: ln of evidence."""

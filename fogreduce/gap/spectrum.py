@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache, partial
 from itertools import combinations
 from typing import Any
 
@@ -129,11 +130,18 @@ def filter_gain(tau_ms: float, rate_hz: float, frequency: Array) -> Array:
     size = 8192
     impulse = np.zeros(size)
     impulse[1] = 1.0
-    place = Place("", 0, (), 1, stream(0, "gap"), 0.0)
+    place = Place("", 0, (), 1, partial(stream, 0, "gap"))
     nowhere: Any = None  # a filter looks at nothing but its input
     at = At(place, impulse, 1.0 / rate_hz, nowhere, impulse, None, impulse, impulse)
     response = np.abs(np.fft.rfft(low_pass(impulse, {"time_constant_ms": tau_ms}, at))) ** 2
     return np.interp(frequency, np.fft.rfftfreq(size), response)
+
+
+@lru_cache(maxsize=8)
+def _gains(rate_hz: float, count: int, frequency: bytes) -> Array:
+    """Power gains of low passes of each of `_TAUS_MS`, (taus, F); frequencies as bytes of float64."""
+    lines = np.frombuffer(frequency, np.float64, count)
+    return np.array([filter_gain(t, rate_hz, lines) for t in _TAUS_MS.tolist()])
 
 
 def _profile(mean_ratio: Array, weight: float, spreads: Array) -> Array:
@@ -216,7 +224,7 @@ def level_findings(lv: Levels, i: int, allowed: frozenset[str], held: Array, fre
         else:
             add("unknown", anything, level_snr2, {}, "white", "noise")
     if "low_pass" in allowed:
-        gains = np.array([filter_gain(t, lv.rate_hz, lv.frequency[keep]) for t in _TAUS_MS.tolist()])
+        gains = _gains(lv.rate_hz, len(lv.frequency), lv.frequency.tobytes())[:, keep]
         under = ratio / gains
         logs = best_log(under) - pieces * np.log(gains).sum(axis=1)
         logs = logs + _profile(np.mean(under, axis=1), weight, null_spread)[:, 0]

@@ -11,11 +11,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import gammaincc, gammaln, log_ndtr, ndtri
 
 from fogreduce.gap.candidates import Candidate
 from fogreduce.gap.evidence import Field
 from fogreduce.gap.findings import Finding
+from fogreduce.physics.special import log_chi2_tail, log_normal_tail, normal_deviate
 
 #: Look-elsewhere: how many places a campaign is searched at, as a round number.
 _TRIALS = 300.0
@@ -37,31 +37,22 @@ class Place:
     family: Candidate | None = None
 
 
-def log_tail(q: float, k: float) -> float:
-    """Ln of the probability that chi-squared of k degrees exceeds q."""
-    tail = float(gammaincc(k / 2.0, q / 2.0))
-    if tail > 1e-250:
-        return float(np.log(tail))
-    x = q / 2.0
-    return float(-x + (k / 2.0 - 1.0) * np.log(x) - gammaln(k / 2.0) - np.log1p(-(k / 2.0 - 1.0) / x))
-
-
 def deviate(log_p: float) -> float:
     """The normal deviate whose upper tail has this ln probability; 0 for anything from one half up."""
     if log_p > np.log(0.5):
         return 0.0
     if log_p > -500.0:
-        return float(-ndtri(np.exp(log_p)))
+        return float(-normal_deviate(float(np.exp(log_p))))
     z = np.sqrt(-2.0 * log_p)
     for _ in range(20):
         # the tail's logarithm falls by nearly z for each unit of z
-        z += (float(log_ndtr(-z)) - log_p) / z
+        z += (log_normal_tail(-float(z)) - log_p) / z
     return float(z)
 
 
 def significance(q: float, k: int, trials: float = _TRIALS) -> float:
     """Normal deviate of q with k degrees, found among so many."""
-    return deviate(min(log_tail(max(q, 1e-9), k) + np.log(trials), 0.0))
+    return deviate(min(log_chi2_tail(max(q, 1e-9), k) + np.log(trials), 0.0))
 
 
 def places(

@@ -18,6 +18,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.physics.special import cosine_integral
+
 Array = NDArray[np.float64]
 
 #: Flicker has no power below this frequency [Hz] (capture contract).
@@ -104,12 +106,10 @@ def flicker_covariance(b_deg_h: float, step_s: float, lags: int) -> Array:
     of means is the second difference of its second integral. With x = 2 pi f0 tau that is, up to a constant,
     ``x^2 / 2 Ci(x) - x sin(x) / 2 - sin(x / 2)^2``.
     """
-    from scipy.special import sici
-
     x0 = 2.0 * math.pi * LOWEST_FLICKER_HZ * step_s
-    x = x0 * np.arange(1, lags + 1)
+    x: Array = x0 * np.arange(1, lags + 1, dtype=np.float64)
     integral = np.zeros(lags + 2)  # at lags -1, 0, 1 ... lags; even, and 0 at 0
-    integral[2:] = x**2 / 2.0 * sici(x)[1] - x * np.sin(x) / 2.0 - np.sin(x / 2.0) ** 2
+    integral[2:] = x**2 / 2.0 * cosine_integral(x) - x * np.sin(x) / 2.0 - np.sin(x / 2.0) ** 2
     integral[0] = integral[2]
     covariance: Array = -(b_deg_h**2) / math.pi / x0**2 * np.diff(integral, 2)
     return covariance

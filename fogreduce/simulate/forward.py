@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from numpy.typing import NDArray
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.effects.at import At, Place
-from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.model import Parameters, Stage
 from fogreduce.effects.motion import Motion
 from fogreduce.effects.noise import NoiseLevels
@@ -66,6 +66,23 @@ class SimulatedBlock:
     counts: Counts
 
 
+@dataclass(frozen=True)
+class Turning:
+    """A motion at given times: alpha [rad] (N,) and what the projected axes read [deg/s] (3, N)."""
+
+    motion: Motion
+    time_s: Array
+    alpha_rad: Array
+    axis_rates: Array
+
+    @classmethod
+    def of(cls, motion: Motion, facts: RunFacts, time_s: Array) -> Turning:
+        """Work it out; the same `time_s` object must be given to `ForwardRun.readings` to be recognised."""
+        alpha = motion.angle_at(time_s)
+        axis_rates = axis_rates_from_unit_rate(motion.unit_rate(time_s, alpha), facts.frame_signs)
+        return cls(motion, time_s, alpha, axis_rates)
+
+
 class ForwardRun:
     """One run, forward. A capture is drawn from it once, by `blocks`; `readings` may be asked at any times.
 
@@ -82,6 +99,8 @@ class ForwardRun:
         Of the noise and of all that is random.
     motion : Motion or None
         None: as run.yaml states it. Another one for a unit that is elsewhere than on its table.
+    turning : Turning or None
+        The motion at times that will be asked for again and again, worked out before.
     """
 
     def __init__(
@@ -92,8 +111,10 @@ class ForwardRun:
         temperature: TemperatureLog | None = None,
         seed: int = 0,
         motion: Motion | None = None,
+        turning: Turning | None = None,
     ) -> None:
         self.facts = facts
+        self._turning = turning
         self.temperature = temperature
         self._by_stage: dict[Stage, list[_Acting]] = {}
         for action in actions:
@@ -101,7 +122,9 @@ class ForwardRun:
                 self._take(action, seed)
         for acting in self._by_stage.values():
             acting.sort(key=lambda one: _CATALOGUE_ORDER.get(one.action.effect.name, len(_CATALOGUE_ORDER)))
-        self.motion, self.axes = motion or Motion.nominal(facts), facts.axes
+        if motion is None:
+            motion = Motion.nominal(facts) if turning is None else turning.motion
+        self.motion, self.axes = motion, facts.axes
         self.motion = self._common(Stage.MOTION, self.motion)
         self.axes = np.array(self._per_gyro(Stage.AXES, list(facts.axes)))
         ages = self._per_gyro(Stage.LATENCY, [0.0] * facts.n_gyros)
@@ -122,10 +145,11 @@ class ForwardRun:
         return answers
 
     def _readings(self, time_s: Array) -> Array:
-        alpha = self.motion.angle_at(time_s)
-        unit_rate = self.motion.unit_rate(time_s, alpha)
-        axis_rates = axis_rates_from_unit_rate(unit_rate, self.facts.frame_signs)
-        readings = gyro_rates_from_axis_rates(axis_rates, self.axes)
+        known = self._turning
+        if known is None or self.motion is not known.motion or time_s is not known.time_s:
+            known = Turning.of(self.motion, self.facts, time_s)
+        alpha = known.alpha_rad
+        readings = gyro_rates_from_axis_rates(known.axis_rates, self.axes)
         for stage in _READING_STAGES:
             readings = self._act(stage, readings, time_s, alpha)
         return readings
@@ -189,11 +213,9 @@ class ForwardRun:
             raise BadInput.at(
                 f"run {facts.run_id}", "temperature", found="no log", expected=f"one, for {effect.name}"
             )
-        words = ("effect", facts.run_id, effect.name, str(action.ordinal))
-        phase = float(stream(seed, *words, "phase").uniform(0.0, 2.0 * np.pi))
+        source = partial(stream, seed, "effect", facts.run_id, effect.name, str(action.ordinal))
         for gyro, parameters in action.acting():
-            generator = stream(seed, *words, gyro_name(gyro))
-            place = Place(facts.run_id, gyro, action.gyros, facts.n_gyros, generator, phase)
+            place = Place(facts.run_id, gyro, action.gyros, facts.n_gyros, source)
             self._by_stage.setdefault(effect.stage, []).append(_Acting(action, place, parameters))
 
     def _act(self, stage: Stage, rows: Any, time_s: Array, alpha: Array | None = None) -> Any:

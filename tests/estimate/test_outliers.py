@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fogreduce.estimate.outliers import CONTEXT, OutlierSearch, isolated, robust_scale
+from fogreduce.estimate.outliers import CONTEXT, OutlierSearch, isolated, robust_scale, robust_scales
 
 SIGMA = 300.0
 FLOOR = SIGMA / 2
@@ -238,3 +238,12 @@ def test_inputs_are_not_changed() -> None:
     kept = values.copy()
     searched(values)
     np.testing.assert_array_equal(values, kept)
+
+
+def test_the_scales_of_many_stretches_are_those_of_each() -> None:
+    generator = np.random.default_rng(5)
+    parts = np.rint(generator.normal(0.0, 3.0, (40, 6, 64))).astype(np.int32)
+    parts[3] = 7  # at rest
+    parts[4, :, 2:] = 0  # all but at rest
+    one_by_one = [[robust_scale(part, 0.5, 4.0) for part in row] for row in parts]
+    np.testing.assert_array_equal(robust_scales(parts, 0.5, 4.0), one_by_one)
