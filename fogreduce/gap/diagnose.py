@@ -20,6 +20,7 @@ from fogreduce.gap.where import Place
 from fogreduce.physics.special import log_chi2_tail
 
 SCHEMA = "fogreduce/diagnosis/1"
+_OTHER = {"channel_swap": "with", "crosstalk": "source"}  # the parameter that names another gyro
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ def _cause(verdict: Verdict, one: Named) -> dict[str, Any]:
             "effect": o.key[0],
             "channels": list(o.key[1]),
             "runs": list(o.key[2]),
-            **({"parameters": {"with": o.key[3]}} if o.key[0] == "channel_swap" else {}),
+            **({"parameters": {_OTHER[o.key[0]]: o.key[3]}} if o.key[3] else {}),
             "probability": round(min(p, 1.0), 6),
         }
         for o, p in one.group

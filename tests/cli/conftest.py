@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-_BUILDERS = str(Path(__file__).parent)
-if _BUILDERS not in sys.path:
-    sys.path.insert(0, _BUILDERS)
+for _BUILDERS in (str(Path(__file__).parent), str(Path(__file__).parents[1] / "gap")):
+    if _BUILDERS not in sys.path:
+        sys.path.insert(0, _BUILDERS)
 
 from small_lab import SmallLab  # noqa: E402
 

@@ -1,0 +1,27 @@
+"""Causes in words, the same wherever they are named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from fogreduce.gap.causes import Cause
+
+
+def named(cause: Cause) -> str:
+    """A cause: effect, channels, the other gyro of a pair, and the run where it is not in all."""
+    return _words(cause.effect, cause.channels, cause.runs, cause.key[3])
+
+
+def in_words(item: Mapping[str, Any]) -> str:
+    """The same for a cause of a diagnosis.json, or a member of its group."""
+    given = item.get("parameters", {})
+    other = given.get("source", given.get("with", ""))
+    other = other["value"] if isinstance(other, Mapping) else other
+    return _words(item["effect"], item["channels"], item["runs"], other)
+
+
+def _words(effect: str, channels: Sequence[str], runs: Sequence[str], other: str) -> str:
+    pair = f" {'with' if effect == 'channel_swap' else 'from'} {other}" if other else ""
+    where = "" if list(runs) == ["*"] else f" in {', '.join(runs)}"
+    return f"{effect} {', '.join(channels)}{pair}{where}"

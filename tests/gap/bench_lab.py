@@ -1,0 +1,91 @@
+"""A small laboratory for diagnoses: six runs of a made-up unit, simulated and diagnosed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from fogreduce.cli.main import main
+from fogreduce.metadata.yaml12 import dump_yaml
+
+AXES = {"x": {"x": "up", "z": "north"}, "y": {"y": "up", "x": "north"}, "z": {"z": "up", "y": "north"}}
+RECORD = {
+    "schema": "fogreduce/calibration/1",
+    "unit": "U",
+    "version": "1",
+    "valid_from": "2012-06-01T00:00:00Z",
+    "procedure": "made up",
+    "H": [[0.29, 0.29, 0.29, 0.5], [0.0, 0.71, -0.7, 0.0], [0.81, -0.41, -0.41, 0.0]],
+    "scale_factor_V_per_deg_s": [0.075, 0.09, 0.092, 0.075],
+    "bias_V": [1e-4, 6e-4, 2e-4, -4e-4],
+    "uncertainty": {
+        "scale_factor_rel": [2e-5] * 4,
+        "bias_V": [1e-9] * 4,
+        "axis_rad": [2e-5] * 4,
+        "turn_on_bias_deg_h": [0.05] * 4,
+    },
+    "noise": {
+        "angle_random_walk_deg_sqrt_h": [2e-3] * 4,
+        "bias_instability_deg_h": [0.03] * 4,
+        "rate_random_walk_deg_h_sqrt_h": [0.0] * 4,
+    },
+}
+ONE_GYRO = {
+    **{k: v for k, v in RECORD.items() if k not in ("H", "uncertainty", "noise")},
+    "axes": [[1.0, 0.0, 0.0]],
+    "scale_factor_V_per_deg_s": [0.075],
+    "bias_V": [1e-4],
+}
+
+
+def lab(root: Path, record: dict = RECORD, rate_hz: float = 64.0, duration_s: float = 120.0) -> None:
+    """Six runs without captures: both senses about x and y, one slow, one still."""
+    n = len(record["bias_V"])
+    (root / "cal" / "U").mkdir(parents=True)
+    (root / "cal" / "U" / "1.yaml").write_text(dump_yaml(record))
+    turns = [("x", 10.0), ("x", -10.0), ("y", 10.0), ("y", -10.0), ("z", 0.5), ("x", 0.0)]
+    for k, (axis, rate) in enumerate(turns):
+        folder = root / "plan" / "runs" / f"r{k}"
+        folder.mkdir(parents=True)
+        run = {
+            "schema": "fogreduce/run/1",
+            "run_id": f"r{k}",
+            "unit": "U",
+            "started_at": "2014-05-12T13:00:00Z",
+            "site": {"latitude_deg": -23.2},
+            "table": {"axis": axis, "profile": [{"rate_deg_s": rate, "duration_s": duration_s}]},
+            "orientation": AXES[axis],
+            "capture": {
+                "file": "capture.fogcap",
+                "format": "fogcap-1",
+                "sample_rate_hz": rate_hz,
+                "volts_per_count": 1e-7,
+                "polarity": [1] * n,
+            },
+            "calibration": "U@1",
+        }
+        (folder / "run.yaml").write_text(dump_yaml(run))
+
+
+def simulated(root: Path, effects: list[dict], name: str = "bench", seed: int = 5) -> Path:
+    """A campaign made by the simulator with effects in it and the stated uncertainties drawn."""
+    path = root / f"{name}.yaml"
+    path.write_text(dump_yaml({"schema": "fogreduce/effects/1", "effects": effects}))
+    arguments = [
+        "simulate",
+        str(root / "plan"),
+        "--calibrations",
+        str(root / "cal"),
+        "--out",
+        str(root / name),
+    ]
+    assert main([*arguments, "--effects", str(path), "--seed", str(seed), "--draw-uncertainties"]) == 0
+    return root / name
+
+
+def diagnosed(root: Path, campaign: Path, *more: str) -> dict:
+    out = root / f"out-{campaign.name}"
+    assert (
+        main(["diagnose", str(campaign), "--calibrations", str(root / "cal"), "--out", str(out), *more]) == 0
+    )
+    return json.loads((out / "diagnosis.json").read_text())
