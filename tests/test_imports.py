@@ -16,7 +16,7 @@ LAYERS = [
     {"constants", "units", "errors"},
     {"physics"},
     {"metadata", "datasets", "estimate", "effects"},
-    {"stages", "simulate", "gap", "archive", "figures"},
+    {"stages", "simulate", "gap", "archive", "figures", "pages"},
     {"cli"},
 ]
 

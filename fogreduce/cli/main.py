@@ -32,6 +32,7 @@ COMMANDS = {
     "restore": ("restore", "make a working folder of an archive, or compare results with it"),
     "history": ("history", "show the versions of a run's results, and what changed between them"),
     "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
+    "page": ("page", "write pages of results for people: a run, a campaign, all campaigns (a node)"),
 }
 
 

@@ -29,6 +29,12 @@ class FiguresConfig(ConfigModel):
     )
 
 
+class PagesConfig(ConfigModel):
+    """Pages of runs and campaigns."""
+
+    enabled: bool = Field(default=True, description="whether pages are written")
+
+
 class StorageConfig(ConfigModel):
     """How datasets are laid out in their HDF5 files."""
 
@@ -95,6 +101,7 @@ class WorkflowConfig(ConfigModel):
         default=(), description="names of the campaigns to reduce; empty = all"
     )
     figures: FiguresConfig = Field(default=FiguresConfig(), description="figures of each run")
+    pages: PagesConfig = Field(default=PagesConfig(), description="pages of each run and campaign")
     reduction: ReductionConfig = Field(default=ReductionConfig(), description="parameters of the reduction")
     withheld: dict[str, Any] = Field(
         default={}, description="settings of the withheld-runs rules, handed on as they are"

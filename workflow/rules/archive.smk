@@ -6,6 +6,7 @@ rule checksums:
         manifest=run_file("manifest.json"),
         drift=run_file("tables/drift.csv"),
         figures=run_file("figures") if CONFIG.figures.enabled else [],
+        page=run_file("index.html") if CONFIG.pages.enabled else [],
     output:
         run_file("outputs.json"),
     log:

@@ -1,0 +1,79 @@
+"""Numbers as people read them: a value with its standard error, counts, durations."""
+
+from __future__ import annotations
+
+import math
+
+#: Beyond these a value is written with a power of ten.
+_SMALLEST, _LARGEST = 1e-4, 1e7
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def plus_minus(value: float | None, error: float | None) -> str:
+    """A value and its standard error, both to the error's second digit; empty without a value."""
+    if value is None or not math.isfinite(value):
+        return ""
+    if error is None or not math.isfinite(error) or error <= 0:
+        return number(value)
+    largest = max(abs(value), error)
+    power = 0
+    if largest < _SMALLEST or largest >= _LARGEST:
+        power = math.floor(math.log10(largest))
+    scale = 10.0**power
+    digits = min(12, max(0, 1 - math.floor(math.log10(error / scale))))
+    text = f"{_minus(f'{value / scale:.{digits}f}')} ± {error / scale:.{digits}f}"
+    return f"({text}) · 10{str(power).translate(_SUPERSCRIPTS)}" if power else text
+
+
+def concise(value: float | None, error: float | None) -> str:
+    """A value, its standard error in parentheses in units of the last digits: ``0.0621052(21)``."""
+    if value is None or not math.isfinite(value):
+        return ""
+    if error is None or not math.isfinite(error) or error <= 0:
+        return number(value)
+    power = math.floor(math.log10(max(abs(value), error)))
+    power = power if not -4 <= power < 7 else 0
+    scale = 10.0**power
+    digits = max(0, 1 - math.floor(math.log10(error / scale)))
+    last = round(error / scale * 10.0**digits)
+    text = f"{_minus(f'{value / scale:.{digits}f}')}({last})"
+    return f"{text} · 10{str(power).translate(_SUPERSCRIPTS)}" if power else text
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number to so many significant digits; empty for None and NaN."""
+    if value is None or not math.isfinite(value):
+        return ""
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return _minus(text)
+    mantissa, power = text.split("e")
+    return f"{_minus(mantissa)} · 10{str(int(power)).translate(_SUPERSCRIPTS)}"
+
+
+def _minus(text: str) -> str:
+    """With a minus sign in place of the hyphen, and without the sign of a zero."""
+    return text.lstrip("-") if not any(c in "123456789" for c in text) else text.replace("-", "−")
+
+
+def count(value: int) -> str:
+    """A whole number, thousands parted by a narrow space."""
+    return f"{value:,}".replace(",", " ")
+
+
+def duration(seconds: float) -> str:
+    """A duration: ``300 s``, ``100 min``, ``2 h 30 min``."""
+    if seconds < 600 or seconds % 60:
+        return f"{seconds:g} s"
+    minutes = int(seconds // 60)
+    if minutes < 180 or minutes % 60:
+        return f"{minutes} min"
+    return f"{minutes // 60} h"
+
+
+def size(octets: int) -> str:
+    """A file's size."""
+    for unit, scale in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if octets >= scale:
+            return f"{octets / scale:.3g} {unit}"
+    return f"{octets} B"

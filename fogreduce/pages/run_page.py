@@ -1,0 +1,263 @@
+"""The page of a run: what was run, with what, numbers, figures, what was flagged, versions."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from pathlib import Path
+from typing import Any
+
+from fogreduce.archive.records import Manifest, read_manifest, read_record
+from fogreduce.pages import svg
+from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
+from fogreduce.pages.overview import Row, overview, real, report, table
+from fogreduce.pages.render import Crumb, page
+
+#: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.
+_MOST_PICTURES = 2_400_000
+_TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
+
+#: Figure -> what it shows, for who cannot see it too.
+FIGURES = {
+    "gyro_volts": "Output of each gyro in volts over the run, with the fitted mean curve",
+    "rates": "Rates about x, y and z over the run, with the fitted mean curve",
+    "angles": "Angles about x, y and z, integrated, beside the commanded ones",
+    "residuals_gyros": "What the mean curve leaves of each gyro, over the run",
+    "residuals_axes": "What the mean curve leaves of x, y and z, over the run",
+    "allan": "Allan deviation of what the mean curves leave",
+    "temperature": "Temperatures of sensors and electronics over the run",
+    "encoder": "The table's encoder beside the commanded angle",
+    "flags": "Numbers of records out of the ordinary, by kind",
+}
+
+#: Kind of what is flagged -> in words. Kinds of one gyro end in ``_gyro<k>``.
+FLAGS = {
+    "lost": "records lost (holes in the pulse numbers)",
+    "torn_bytes": "octets of a torn last record",
+    "repeated": "records whose pulse number occurred before",
+    "out_of_order": "records that came after a later pulse",
+    "bad_stamp": "records whose stamp and pulse number disagree",
+    "beyond_profile": "records after the commanded profile's end",
+    "missing": "answers missing",
+    "spurious": "spurious counts",
+    "unstable_intervals": "unstable intervals",
+}
+
+
+def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
+    """The page of the run whose results lie in `folder`.
+
+    Parameters
+    ----------
+    folder : Path
+        Its results: manifest, tables, reports, and figures where they were drawn.
+    seen : dict or None
+        Its overview, where it is there already.
+
+    Raises
+    ------
+    BadInput
+        A part is missing or of another version than the manifest.
+    """
+    manifest = read_manifest(folder)
+    version = manifest.version_id
+    seen = overview(folder) if seen is None else seen
+    drift = table(folder, "drift", version)
+    figures, linked, left_out = _figures(folder, version)
+    context = {
+        "run": seen,
+        "facts": _facts(manifest, seen),
+        "notes": manifest.run.get("notes"),
+        "drift": _drift_rows(drift),
+        "chart": None if figures else _chart(seen),
+        "flags": [flag(kind, value) for kind, value in seen["flagged"].items()],
+        "places": _places(folder, version),
+        "unstable": table(folder, "unstable", version),
+        "rate_fit": _fit_rows(table(folder, "rate_fit", version), "axis", "deg_s", "deg_s2"),
+        "gyro_fit": _fit_rows(table(folder, "gyro_fit", version), "gyro", "V", "V_s"),
+        "noise": seen["noise"],
+        "encoder": table(folder, "encoder", version),
+        "figures": figures,
+        "linked": linked,
+        "left_out": left_out,
+        "calibration": _calibration(manifest),
+        "parameters": list(_flat(manifest.parameters)),
+        "inputs": manifest.inputs,
+        "software": manifest.software,
+        "files": _files(folder),
+    }
+    crumbs = [Crumb("All campaigns", "../../index.html"), Crumb(seen["campaign"], "../index.html")]
+    return page("run.html", seen["run_id"], context, crumbs, seen["label"])
+
+
+def flag(kind: str, value: int) -> tuple[str, int]:
+    """What was flagged in words, and how often."""
+    what, _, gyro = kind.rpartition("_gyro")
+    if what in FLAGS:
+        return f"gyro {gyro}: {FLAGS[what]}", value
+    return FLAGS.get(kind, kind.replace("_", " ")), value
+
+
+def _facts(manifest: Manifest, seen: dict[str, Any]) -> list[tuple[str, str]]:
+    run = manifest.run
+    site = run["site"]
+    place = f"latitude {site['latitude_deg']:g}°"
+    if site.get("name"):
+        place = f"{site['name']}, {place}"
+    steps = [
+        f"{step['rate_deg_s']:g} deg/s for {duration(step['duration_s'])}" for step in run["table"]["profile"]
+    ]
+    shown = steps if len(steps) <= 8 else [*steps[:7], f"{len(steps) - 7} more steps"]
+    capture = run["capture"]
+    return [
+        ("Unit", seen["unit"]),
+        ("Started", started(seen["started_at"])),
+        ("Length", duration(seen["duration_s"])),
+        ("Table", f"about {seen['axis']}: " + "; ".join(shown)),
+        ("Orientation", ", ".join(f"{axis} {way}" for axis, way in run["orientation"].items())),
+        ("Site", place),
+        ("Capture", f"{capture['file']} ({capture['format']}), {capture['sample_rate_hz']:g} Hz"),
+        ("Calibration", seen["calibration"]),
+        ("Version", seen["version_id"]),
+    ]
+
+
+def started(text: str) -> str:
+    """An instant as people read it."""
+    return text.replace("T", " ").replace("Z", " UTC")
+
+
+def _drift_rows(rows: list[Row]) -> list[dict[str, str]]:
+    out = []
+    for row in rows:
+        values = {name: real(text) for name, text in row.items()}
+        drift_error = values["drift_err_coloured_deg_h"] or values["drift_err_deg_h"]
+        angle_error = values["accumulated_err_coloured_deg"] or values["accumulated_err_deg"]
+        out.append(
+            {
+                "axis": row["axis"],
+                "segment": "whole run" if row["segment"] == "all" else row["segment"],
+                "duration": duration(float(row["duration_s"])),
+                "nominal": number(values["nominal_deg"], 9),
+                "error": plus_minus(values["accumulated_error_deg"], angle_error),
+                "drift": plus_minus(values["drift_deg_h"], drift_error),
+                "stated": number(values["drift_err_stated_deg_h"], 2),
+            }
+        )
+    return out
+
+
+def _chart(seen: dict[str, Any]) -> Any:
+    """Drift of each axis with its error; nothing for a unit without axes."""
+    axes = [axis for axis, entry in seen["drift"].items() if entry["value"] is not None]
+    if not axes:
+        return None
+    entries = [seen["drift"][axis] for axis in axes]
+    said = "; ".join(
+        f"{axis} {plus_minus(entry['value'], entry['error'])}"
+        for axis, entry in zip(axes, entries, strict=True)
+    )
+    panel = svg.Panel(
+        "drift", "deg/h", [e["value"] for e in entries], [e["error"] for e in entries], zero=True
+    )
+    return svg.points([panel], list(enumerate(axes)), f"Drift in deg/h with standard error: {said}")
+
+
+def _fit_rows(rows: list[Row], name: str, unit: str, slope: str) -> list[list[str]]:
+    """Channel, segment, then a, b, d, e with errors, scatter and records."""
+    out = []
+    for row in rows:
+        cells = [row[name], row["segment"]]
+        for letter, of in (("a", unit), ("b", unit), ("d", "rad"), ("e", slope)):
+            error = real(row[f"{letter}_err_coloured_{of}"]) or real(row[f"{letter}_err_{of}"])
+            cells.append(concise(real(row[f"{letter}_{of}"]), error))
+        out.append([*cells, number(real(row[f"sigma_{unit}"]), 3), row["records"]])
+    return out
+
+
+def _places(folder: Path, version: str) -> list[dict[str, str]]:
+    """Where in the capture: the first few of each kind."""
+    ingest = report(folder, "ingest", version)
+    out = [
+        {
+            "what": FLAGS["lost"],
+            "where": ", ".join(
+                f"pulse {hole['first_pulse']}"
+                + (f" and {hole['pulses'] - 1} more" if hole["pulses"] > 1 else "")
+                for hole in ingest["lost_places"]
+            ),
+        }
+    ]
+    for kind, places in ingest["places"].items():
+        where = ", ".join(f"{place['time_s']:.3f} s (record {place['record']})" for place in places)
+        out.append({"what": flag(kind, 0)[0], "where": where})
+    return [entry for entry in out if entry["where"]]
+
+
+def _figures(folder: Path, version: str) -> tuple[list[dict[str, str]], list[str], dict[str, str]]:
+    """Pictures for the page; names of those that are linked; those not drawn, with the reason."""
+    path = folder / "figures" / "index.json"
+    if not path.is_file():
+        return [], [], {}
+    index = read_record(path, "the list of the run's figures")
+    names = [str(name) for name in index.get("figures", ()) if Path(str(name)).name == name]
+    if index.get("version_id") != version:
+        return [], [], {}
+    shown, linked, spent = [], [], 0
+    for stem in dict.fromkeys(Path(name).stem for name in names):
+        files = [folder / "figures" / name for name in names if Path(name).stem == stem]
+        files = [file for file in files if file.suffix in _TYPES and file.is_file()]
+        if not files:
+            continue
+        smallest = min(files, key=lambda file: (file.stat().st_size, file.name))
+        cost = 4 * smallest.stat().st_size // 3
+        if spent + cost > _MOST_PICTURES:
+            linked.append(f"figures/{smallest.name}")
+            continue
+        spent += cost
+        data = b64encode(smallest.read_bytes()).decode()
+        shown.append(
+            {
+                "stem": stem,
+                "title": FIGURES.get(stem, stem.replace("_", " ")),
+                "data": f"data:{_TYPES[smallest.suffix]};base64,{data}",
+            }
+        )
+    left_out = index.get("left_out", {})
+    return shown, linked, left_out if isinstance(left_out, dict) else {}
+
+
+def _calibration(manifest: Manifest) -> list[tuple[str, str]]:
+    record = manifest.calibration_record
+    until = record.get("valid_until")
+    valid = f"from {started(str(record.get('valid_from')))}" + (
+        f" until {started(str(until))}" if until else ""
+    )
+    rows = [
+        ("Record", manifest.calibration.id),
+        ("Procedure", str(record.get("procedure", ""))),
+        ("Valid", valid),
+        ("Scale factors [V/(deg/s)]", _list(record["scale_factor_V_per_deg_s"])),
+        ("Biases [V]", _list(record["bias_V"])),
+        ("SHA-256 of the record", manifest.calibration.sha256),
+    ]
+    return rows
+
+
+def _list(values: list[float]) -> str:
+    return ", ".join(number(value, 9) for value in values)
+
+
+def _flat(data: dict[str, Any], before: str = "") -> Any:
+    for key, value in data.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key}", str(value)
+
+
+def _files(folder: Path) -> list[tuple[str, str]]:
+    """Tables, reports and datasets beside the page, with their sizes."""
+    paths = [folder / "manifest.json"]
+    for name, pattern in (("tables", "*.csv"), ("reports", "*.json"), ("datasets", "*.nc")):
+        paths += sorted((folder / name).glob(pattern))
+    return [(path.relative_to(folder).as_posix(), size(path.stat().st_size)) for path in paths]

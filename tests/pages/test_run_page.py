@@ -1,0 +1,120 @@
+"""The page of a run."""
+
+import csv
+import json
+import math
+import shutil
+from pathlib import Path
+
+import html_checks
+import pytest
+
+from fogreduce.cli.main import main
+from fogreduce.pages import run_page as module
+from fogreduce.pages.overview import kept_overview, overview
+
+
+def test_it_says_what_was_run_with_what_and_what_came_of_it(lab) -> None:
+    folder = lab.run("r1")
+    page = html_checks.check((folder / "index.html").read_text(), scripts=0)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    for expected in (
+        "TETRA-01@2012a",
+        manifest["version_id"],
+        manifest["software"]["numpy"],
+        manifest["calibration"]["sha256"],
+        "2014-05-10 13:00:00 UTC",
+        "about x: 10 deg/s for 40 s; 0 deg/s for 30 s",
+        "outliers.threshold_sigma",
+        "<b>made up</b>",
+        "Nothing was flagged",
+    ):
+        assert expected in page.words
+    index = json.loads((folder / "figures" / "index.json").read_text())
+    assert len(page.all("img")) == len(index["figures"])
+    assert "run.yaml names no table_log" in page.words
+
+
+def test_names_are_text_and_nothing_else(lab) -> None:
+    text = (lab.run("r1") / "index.html").read_text()
+    page = html_checks.check(text, scripts=0)
+    assert "<script>document.title='caught'</script>" in page.words
+    assert "<img src=x" not in text
+
+
+def test_its_drift_is_that_of_the_table(lab) -> None:
+    folder = lab.run("r1")
+    with (folder / "tables" / "drift.csv").open() as file:
+        rows = {(row["axis"], row["segment"]): row for row in csv.DictReader(file)}
+    drift = overview(folder)["drift"]
+    for axis in "xyz":
+        assert drift[axis]["value"] == float(rows[axis, "all"]["drift_deg_h"])
+        assert drift[axis]["error"] == float(rows[axis, "all"]["drift_err_coloured_deg_h"])
+
+
+def test_offset_is_what_the_mean_rate_lies_beside_the_command(lab) -> None:
+    """From the table of the curves by hand: a + e t in the middle, and the sine over whole turns."""
+    folder = lab.run("r1")
+    with (folder / "tables" / "rate_fit.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["axis"] == "x"]
+    # 10 deg/s for 40 s are 400 degrees, so the sine does not average out: its integral by hand.
+    total = 0.0
+    for row, commanded in zip(rows, (10.0, 0.0), strict=True):
+        start, stop = float(row["start_s"]), float(row["stop_s"])
+        a, e = float(row["a_deg_s"]), float(row["e_deg_s2"])
+        total += (a - commanded) * (stop - start) + e * (stop**2 - start**2) / 2
+        if row["b_deg_s"]:
+            b, c, d = (float(row[name]) for name in ("b_deg_s", "c_rad_s", "d_rad"))
+            total += b / c * (math.cos(c * start + d) - math.cos(c * stop + d))
+    found = overview(folder)["offset"]["x"]
+    assert found["value"] == pytest.approx(total / 70.0 * 3600.0, abs=1e-6 * found["error"])
+
+
+def test_the_same_results_give_the_same_bytes(lab) -> None:
+    folder = lab.run("r1")
+    before = (folder / "index.html").read_bytes(), (folder / "reports" / "overview.json").read_bytes()
+    lab.run("r1")
+    assert before == (
+        (folder / "index.html").read_bytes(),
+        (folder / "reports" / "overview.json").read_bytes(),
+    )
+
+
+def test_pictures_beyond_what_a_page_may_hold_are_linked(lab, monkeypatch) -> None:
+    monkeypatch.setattr(module, "_MOST_PICTURES", 60_000)
+    page = html_checks.check(module.run_page(lab.run("r1")), scripts=0)
+    assert len(page.all("img")) < 7
+    links = [attrs["href"] for attrs in page.all("a") if attrs["href"].startswith("figures/")]
+    assert links
+    assert all((lab.results / "c1" / "r1" / link).is_file() for link in links)
+
+
+def test_links_lead_to_files_beside_the_page(lab) -> None:
+    folder = lab.run("r1")
+    page = html_checks.check((folder / "index.html").read_text(), scripts=0)
+    for attrs in page.all("a"):
+        if not attrs["href"].startswith(("#", "..")):
+            assert (folder / attrs["href"]).is_file(), attrs
+
+
+def test_without_figures_the_drift_is_drawn(lab, tmp_path) -> None:
+    folder = Path(shutil.copytree(lab.run("r2"), tmp_path / "r2"))
+    shutil.rmtree(folder / "figures")
+    page = html_checks.check(module.run_page(folder), scripts=0)
+    assert "Drift in deg/h" in page.all("svg")[0]["aria-label"]
+
+
+def test_an_overview_of_another_version_is_not_used(lab, tmp_path) -> None:
+    folder = Path(shutil.copytree(lab.run("r2"), tmp_path / "r2"))
+    path = folder / "reports" / "overview.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "version_id": "0" * 16, "unit": "another"}))
+    assert kept_overview(folder)["unit"] == "TETRA-01"
+
+
+def test_a_run_without_its_tables_is_refused_by_name(lab, tmp_path, capsys) -> None:
+    folder = Path(shutil.copytree(lab.run("r2"), tmp_path / "r2"))
+    (folder / "tables" / "drift.csv").unlink()
+    assert main(["page", "run", str(folder)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "drift.csv: found no such file; expected a table of the reduction" in error
