@@ -5,9 +5,11 @@ closes.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
@@ -16,14 +18,15 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("campaign", metavar="CAMPAIGN", type=Path, help="campaign folder with captures")
     parser.add_argument(
-        "--calibrations",
-        metavar="DIR",
+        "campaign",
+        metavar="CAMPAIGN",
         type=Path,
-        default=Path("calibrations"),
-        help="folder of the calibration records (default: %(default)s)",
+        nargs="+",
+        help="campaign folder with captures; of several, or of a folder of campaigns, each is diagnosed into "
+        "DIR/<campaign>, and one that cannot be stops no other",
     )
+    add_calibrations(parser)
     parser.add_argument(
         "--out",
         metavar="DIR",
@@ -36,6 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--only-runs", metavar="ID,...", default="", help="diagnose these runs only")
     parser.add_argument(
+        "--each",
+        metavar="FILE",
+        type=Path,
+        help="what holds for one campaign alone, YAML or JSON: name -> {without: [...], only_runs: [...]}",
+    )
+    parser.add_argument(
         "--simulated", metavar="CAMPAIGN2", type=Path, help="captures of another simulator as the prediction"
     )
     parser.add_argument(
@@ -47,21 +56,50 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose; the verdict on standard output."""
+    from fogreduce.cli.many import Own, campaign_folders, diagnose_each, read_each
+
+    several = campaign_folders(args.campaign)
+    campaigns = args.campaign if several is None else several
+    if several is not None and args.simulated is not None:
+        raise BadInput.at("--simulated", "", found=f"{len(several)} campaigns", expected="one campaign")
+    own = read_each(args.each, [path.resolve().name for path in campaigns]) if args.each else {}
+    only = tuple(name for name in args.only_runs.split(",") if name)
+
+    def one(campaign: Path) -> None:
+        name = campaign.resolve().name
+        mine = own.get(name, Own())
+        out = args.out if several is None else args.out / name
+        _diagnose(campaign, out, (*args.without, *mine.without), mine.only_runs or only, args)
+
+    if several is not None:
+        return diagnose_each(several, one)
+    one(args.campaign[0])
+    return 0
+
+
+def _diagnose(
+    campaign: Path, out: Path, without: Sequence[str], only: Sequence[str], args: argparse.Namespace
+) -> None:
+    """One campaign; its verdict on standard output."""
     from fogreduce.gap.diagnose import diagnose
     from fogreduce.gap.write import write
     from fogreduce.metadata.folder import load_campaign
 
-    only = tuple(name for name in args.only_runs.split(",") if name)
-    diagnosis = diagnose(args.campaign, args.calibrations, args.without, only, args.simulated)
+    diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated)
     if args.verify_next:
-        _verify_next(diagnosis, args, only)
-    write(diagnosis, args.out, load_campaign(args.campaign).label)
+        _verify_next(diagnosis, campaign, without, only, args)
+    write(diagnosis, out, load_campaign(campaign).label)
     causes = ", ".join(f"{c['effect']} {' '.join(c['channels'])}" for c in diagnosis.document["causes"])
-    print(f"{args.out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}")
-    return 0
+    print(f"{out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}", flush=True)
 
 
-def _verify_next(diagnosis: Diagnosis, args: argparse.Namespace, only: tuple[str, ...]) -> None:
+def _verify_next(
+    diagnosis: Diagnosis,
+    campaign: Path,
+    without: Sequence[str],
+    only: Sequence[str],
+    args: argparse.Namespace,
+) -> None:
     """Add to the document what the proposed run would bring."""
     from fogreduce.gap.verify_next import verified
 
@@ -69,6 +107,6 @@ def _verify_next(diagnosis: Diagnosis, args: argparse.Namespace, only: tuple[str
         raise BadInput.at(
             "--verify-next", "", found="with --simulated", expected="our own simulator, which alone can do it"
         )
-    found = verified(diagnosis, args.campaign, args.calibrations, args.without, only)
+    found = verified(diagnosis, campaign, args.calibrations, without, only)
     if found is not None:
         diagnosis.document["next_run"]["verified"] = found

@@ -74,13 +74,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return error.exit_status
     except OSError as error:
-        return _system_error(error)
+        return system_error(error)
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return 1
 
 
-def _system_error(error: OSError) -> int:
+def system_error(error: OSError) -> int:
     """A file that cannot be read or written: bad input where the user can mend it, else the machine."""
     if isinstance(error, BrokenPipeError):
         # Whoever read our output has gone; nothing is left to say.

@@ -70,6 +70,7 @@ def lab(root: Path, record: dict = RECORD, rate_hz: float = 64.0, duration_s: fl
 def simulated(root: Path, effects: list[dict], name: str = "bench", seed: int = 5) -> Path:
     """A campaign made by the simulator with effects in it and the stated uncertainties drawn."""
     path = root / f"{name}.yaml"
+    path.parent.mkdir(exist_ok=True)
     path.write_text(dump_yaml({"schema": "fogreduce/effects/1", "effects": effects}))
     arguments = [
         "simulate",
