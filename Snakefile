@@ -20,6 +20,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/pages.smk"
 include: "workflow/rules/summary.smk"
 include: "workflow/rules/archive.smk"
+include: "workflow/rules/batches.smk"
 include: "workflow/rules/diagnose.smk"
 include: "workflow/rules/withheld.smk"
 

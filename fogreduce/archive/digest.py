@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -28,13 +28,12 @@ REDUCTION_PARTS = (
 )
 
 
-def file_digest(path: Path, told: Callable[[int], None] = lambda read: None) -> str:
-    """SHA-256 of a file's bytes, in hexadecimal; `told` hears how many bytes each reading brought."""
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file's bytes, in hexadecimal."""
     digest = hashlib.sha256()
     with path.open("rb", buffering=0) as file:
         while chunk := file.read(_CHUNK):
             digest.update(chunk)
-            told(len(chunk))
     return digest.hexdigest()
 
 
