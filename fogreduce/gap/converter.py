@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
-from fogreduce.gap.lines import sizes_log
+from fogreduce.gap.line_evidence import sizes_log
 
 Array = NDArray[np.float64]
 

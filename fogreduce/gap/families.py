@@ -15,17 +15,18 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import slope_around
 from fogreduce.effects.gyro_names import gyro_name
-from fogreduce.gap.candidates import EVERY, Candidate
+from fogreduce.gap.candidates import Candidate
 from fogreduce.gap.capture import RunInput
+from fogreduce.gap.families_table import of_table
+from fogreduce.gap.family import HARMONICS, family, lessened, modes, waves_of_angle
 from fogreduce.gap.noise_model import Whitener
+from fogreduce.gap.waveforms import after_effects, recoveries, sawteeth, steps
 
 Array = NDArray[np.float64]
 
-HARMONICS = tuple(range(1, 17))
 _MODES = 10
 _TREND = 4
 _MOST_CYCLES = 31.0  # periods that come again from the run's start, at most so many in a run
-_DOUBLE = 0.05  # prior of a family that an effect of the catalogue does already
 _POWERS = ("scale_factor_error", "scale_factor_asymmetry", "", "scale_factor_nonlinearity")
 _HEATS = ("temperature_bias", "", "temperature_rate_bias", "temperature_scale_factor")
 
@@ -44,39 +45,7 @@ def families(
     allowed : names of effects
         A family that is just what one of them does has little prior of its own.
     """
-    return [*_of_gyros(inputs, whiten, plain, allowed), *_of_table(inputs, whiten, allowed)]
-
-
-def modes(count: int, first: int, number: int) -> Array:
-    """Cosine modes `first` to `first + number - 1` over a run's blocks, (blocks, number)."""
-    t = (np.arange(count) + 0.5) / count
-    return np.cos(np.pi * np.outer(t, np.arange(first, first + number)))
-
-
-def _family(
-    name: tuple[str, ...],
-    rows: slice,
-    columns: Array,
-    feature: str,
-    stage: str,
-    runs: tuple[str, ...] = EVERY,
-    share: float = 1.0,
-) -> Candidate:
-    j, k = columns.shape[1:]
-    return Candidate(
-        "unknown",
-        name,
-        runs,
-        rows,
-        columns,
-        ({},) * j,
-        ("",) * k,
-        np.ones((j, k)),
-        share=share,
-        known=False,
-        feature=feature,
-        stage=stage,
-    )
+    return [*_of_gyros(inputs, whiten, plain, allowed), *of_table(inputs, whiten, allowed)]
 
 
 def _of_gyros(
@@ -86,6 +55,32 @@ def _of_gyros(
     turning = [bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs]
     warm = all(one.scene.temperature is not None for one in inputs)
     longest = max(one.scene.blocks.count * one.scene.blocks.length_s for one in inputs)
+    shapes = {
+        "periods": lambda one: _periods(one, longest),
+        "sawteeth": lambda one: sawteeth(one.scene.blocks, longest),
+        "recoveries": lambda one: recoveries(one.scene.blocks),
+    }
+    plainly: dict[tuple[object, ...], Array] = {}
+
+    def timed(i: int, kind: str) -> Array:
+        """Whitened shapes of the time since the start: alike in runs that have one filter."""
+        parts = []
+        for r, one in enumerate(inputs):
+            matrix = whiten.filters[i, r]
+            key = (kind, id(matrix), one.scene.blocks.length_s)
+            if key not in plainly:
+                columns = shapes[kind](one)
+                plainly[key] = (matrix @ columns.reshape(len(columns), -1)).reshape(columns.shape)
+            parts.append(plainly[key])
+        return np.concatenate(parts)
+
+    def stepped(i: int, r: int) -> Array:
+        matrix = whiten.filters[i, r]
+        key = ("steps", id(matrix))
+        if key not in plainly:
+            plainly[key] = steps(matrix)
+        return plainly[key]
+
     for i in range(rows.n):
         name, here, share = (gyro_name(i),), rows.of(i), 1.0 / rows.n
 
@@ -97,55 +92,58 @@ def _of_gyros(
             return whiten(columns, rows.of(i, r))
 
         each = [np.ones((c, 1)) for c in rows.counts]
-        single = share * (_lessened("bias_offset", allowed) if runs == 1 else 1.0)
-        yield _family(name, here, whiten(_diagonal(each), here)[:, None, :], "mean", "gyro", share=single)
+        single = share * (lessened("bias_offset", allowed) if runs == 1 else 1.0)
+        yield family(name, here, whiten(_diagonal(each), here)[:, None, :], "mean", "gyro", share=single)
         for r, one in enumerate(inputs):
             run = (one.facts.run_id,)
             part = rows.of(i, r)
-            own = share / runs * _lessened("turn_on_bias", allowed)
-            yield _family(name, part, of_one_run(r, each[r])[:, None, :], "mean", "gyro", run, own)
+            own = share / runs * lessened("turn_on_bias", allowed)
+            yield family(name, part, of_one_run(r, each[r])[:, None, :], "mean", "gyro", run, own)
             slow = of_one_run(r, modes(rows.counts[r], 1, _MODES))[:, None, :]
-            yield _family(name, part, slow, "low_frequency", "gyro", run, share / runs)
+            yield family(name, part, slow, "low_frequency", "gyro", run, share / runs)
+            own = share / runs * lessened("bias_step", allowed)
+            if rows.counts[r] > 2:
+                yield family(name, part, stepped(i, r), "step", "gyro", run, own)
         trend = [modes(c, 1, _TREND) for c in rows.counts]
-        yield _family(name, here, white(trend)[:, None, :], "drift", "gyro", share=share)
-        ramp = share * _lessened("bias_ramp", allowed)
-        yield _family(name, here, white([t[:, :1] for t in trend])[:, None, :], "drift", "gyro", share=ramp)
-        periodic = white([_periods(one, longest) for one in inputs]).reshape(rows.per_gyro, -1, 2)
-        yield _family(name, here, periodic, "low_frequency", "gyro", share=share)
+        yield family(name, here, white(trend)[:, None, :], "drift", "gyro", share=share)
+        ramp = share * lessened("bias_ramp", allowed)
+        yield family(name, here, white([t[:, :1] for t in trend])[:, None, :], "drift", "gyro", share=ramp)
+        yield family(name, here, timed(i, "periods"), "low_frequency", "gyro", share=share)
+        yield family(name, here, timed(i, "sawteeth"), "low_frequency", "gyro", share=share)
+        yield family(name, here, timed(i, "recoveries"), "drift", "gyro", share=share)
         if runs > 1:
             every = whiten(_diagonal([modes(c, 1, _MODES) for c in rows.counts]), here)[:, None, :]
-            yield _family(name, here, every, "low_frequency", "gyro", share=share)
+            yield family(name, here, every, "low_frequency", "gyro", share=share)
         reading = [p[i] / SECONDS_PER_HOUR / 10.0 for p in plain]
         if bumps := _bumps(reading):
-            yield _family(name, here, white(bumps)[:, None, :], "rate", "gyro", share=share)
+            yield family(name, here, white(bumps)[:, None, :], "rate", "gyro", share=share)
         if any(turning):
             powers = [np.column_stack([m, np.abs(m), m**2, m**3]) for m in reading]
             for k in range(4):
-                yield _family(
+                yield family(
                     name,
                     here,
                     white([p[:, [k]] for p in powers])[:, None, :],
                     "rate",
                     "gyro",
-                    share=share * _lessened(_POWERS[k], allowed),
+                    share=share * lessened(_POWERS[k], allowed),
                 )
-            waves = white([_waves(one, r) for one, r in zip(inputs, turning, strict=True)])
+            for past, weight in ((reading, 1.0), ([np.abs(m) for m in reading], 0.5)):
+                late = [after_effects(one.scene.blocks, m) for one, m in zip(inputs, past, strict=True)]
+                columns = white([c[:, :, 0] for c in late])[:, :, None]
+                yield family(name, here, columns, "rate", "gyro", share=weight * share)
+            waves = white([waves_of_angle(one, r) for one, r in zip(inputs, turning, strict=True)])
             for j, harmonic in enumerate(HARMONICS):
                 pair = waves[:, 2 * j : 2 * j + 2][:, None, :]
-                yield _family(
+                yield family(
                     name, here, pair, f"harmonic_{harmonic}", "gyro", share=share / len(HARMONICS) * 3.0
                 )
         if warm:
             for k in range(4):
                 hot = [_heat(one, m)[:, [k]] for one, m in zip(inputs, reading, strict=True)]
                 if any(np.any(h) for h in hot):
-                    own = share * _lessened(_HEATS[k], allowed)
-                    yield _family(name, here, white(hot)[:, None, :], "temperature", "gyro", share=own)
-
-
-def _lessened(effect: str, allowed: frozenset[str]) -> float:
-    """Share of its prior that a family keeps beside the effect that does the same."""
-    return _DOUBLE if effect in allowed else 1.0
+                    own = share * lessened(_HEATS[k], allowed)
+                    yield family(name, here, white(hot)[:, None, :], "temperature", "gyro", share=own)
 
 
 def _bumps(reading: Sequence[Array]) -> list[Array]:
@@ -168,25 +166,13 @@ def _diagonal(parts: Sequence[Array]) -> Array:
     return out
 
 
-def _waves(one: RunInput, turns: bool) -> Array:
-    """Cosine and sine of each harmonic of alpha in block means, (blocks, 2 harmonics); none where it
-    stands.
-    """
-    blocks = one.scene.blocks
-    if not turns:
-        return np.zeros((blocks.count, 2 * len(HARMONICS)))
-    alpha = one.facts.profile.angle_at(blocks.time_s.copy())
-    pairs = [f(n * alpha) for n in HARMONICS for f in (np.cos, np.sin)]
-    return blocks.means(np.array(pairs)).T
-
-
 def _periods(one: RunInput, longest_s: float) -> Array:
-    """Cosine and sine of the time since the run's start, for each of many periods, (blocks, 2 periods)."""
+    """Cosine and sine of the time since the run's start, for each of many periods, (blocks, periods, 2)."""
     blocks = one.scene.blocks
     shortest = 4.0 * blocks.length_s
     cycles = np.arange(1.5, min(longest_s / shortest, _MOST_CYCLES), 0.5)
     turn = 2.0 * np.pi * np.outer(blocks.centre_s / longest_s, cycles)
-    return np.stack([np.cos(turn), np.sin(turn)], axis=-1).reshape(blocks.count, -1)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
 
 
 def _heat(one: RunInput, reading: Array) -> Array:
@@ -196,56 +182,3 @@ def _heat(one: RunInput, reading: Array) -> Array:
     warmed = log.sensor_at(t) - float(log.sensor_at(np.zeros(1))[0])
     slope = 60.0 * slope_around(log.time_s, log.sensor_degC, t, half_s=10.0)
     return np.column_stack([warmed, warmed**2, slope, warmed * reading])
-
-
-def _of_table(inputs: Sequence[RunInput], whiten: Whitener, allowed: frozenset[str]) -> Iterator[Candidate]:
-    rows, table, everything = whiten.rows, ("table",), slice(0, whiten.rows.total)
-
-    def rotation(shapes: Sequence[Array], direction: Sequence[Array]) -> Array:
-        """What rotations about `direction` (3,) in each run, with shapes (blocks, k), do to all rows."""
-        parts = []
-        for i in range(rows.n):
-            for one, shape, u in zip(inputs, shapes, direction, strict=True):
-                parts.append(shape * float(one.facts.axes[i] @ (one.facts.frame_signs * u)))
-        return whiten(np.concatenate(parts))
-
-    axes = [one.facts.table_axis for one in inputs]
-    counts = rows.counts
-    rates = [
-        one.scene.blocks.means(one.facts.profile.rate_at(one.scene.blocks.time_s))[:, None] for one in inputs
-    ]
-    if any(np.any(r) for r in rates):
-        own = _lessened("table_rate_error", allowed)
-        yield _family(table, everything, rotation(rates, axes)[:, None, :], "rate", "table", share=own)
-        waves = [
-            _waves(one, bool(np.any(one.facts.profile.rate_deg_s != 0.0))) * np.sign(r.sum() or 1.0)
-            for one, r in zip(inputs, rates, strict=True)
-        ]
-        about = rotation(waves, axes)
-        across = [rotation(waves, [_across(one, k) for one in inputs]) for k in range(2)]
-        for j, harmonic in enumerate(HARMONICS):
-            pair = slice(2 * j, 2 * j + 2)
-            share = 3.0 / len(HARMONICS)
-            yield _family(
-                table, everything, about[:, pair][:, None, :], f"harmonic_{harmonic}", "table", share=share
-            )
-            both = np.column_stack([a[:, pair] for a in across])[:, None, :]
-            yield _family(table, everything, both, f"harmonic_{harmonic}", "table", share=share)
-    for r in range(len(inputs)):
-        alone = [np.ones((c, 1)) * float(k == r) for k, c in enumerate(counts)]
-        steady = np.column_stack([rotation(alone, [np.eye(3)[k]] * len(inputs)) for k in range(3)])
-        run = (inputs[r].facts.run_id,)
-        yield _family(table, everything, steady[:, None, :], "mean", "table", run, 1.0 / len(inputs))
-    steady = np.column_stack(
-        [rotation([np.ones((c, 1)) for c in counts], [np.eye(3)[k]] * len(inputs)) for k in range(3)]
-    )
-    yield _family(table, everything, steady[:, None, :], "mean", "table")
-    drifting = rotation([modes(c, 1, _TREND) for c in counts], axes)
-    yield _family(table, everything, drifting[:, None, :], "drift", "table")
-
-
-def _across(one: RunInput, k: int) -> Array:
-    """One of two directions at right angles to the table's axis: Earth's horizontal part shows there."""
-    from fogreduce.physics.frames import across
-
-    return across(one.facts.table_axis)[k]

@@ -139,7 +139,7 @@ class Fast:
             named = {f.effect for f in here}
             allowed = self.allowed - named
             filtered = "low_pass" in named
-            for f in level_findings(self.levels, i, allowed, held, free):
+            for f in level_findings(self.levels, i, allowed, held, free, filtered):
                 if not (f.effect == "unknown" and f.feature == "white" and (free or filtered)):
                     out.append(f)
         if not any(f.domain == "correlation" for f in mine):

@@ -17,28 +17,15 @@ from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.full_rate import FullRate
+from fogreduce.gap.line_evidence import best_of, leading, sizes_log
+from fogreduce.gap.mixing import unknown_lines
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.noise import white_sigma
-from fogreduce.physics.special import log_i0
 
 Array = NDArray[np.float64]
 
-_SIZES = np.array([4.0, 6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 200.0, 400.0])
-_LEADERS = 60
+_LOCKED = 0.3  # prior share of lines that start anew with each run, and of lines that mix
 _DRIFTS = 0.05  # of a spectrum's resolution: a real line is not quite steady
-
-
-def sizes_log(moduli: Array) -> tuple[Array, Array]:
-    """Ln mean likelihood over sizes, and the best size's, for moduli (..., runs)."""
-    runs = moduli.shape[-1]
-    s = _SIZES / np.sqrt(runs)
-    logs = log_i0(moduli[..., None, :] * s[:, None]).sum(axis=-1) - 0.5 * runs * s**2
-    # sizes lie further apart than the likelihood is wide: the best one is looked for between them
-    best = np.sqrt(np.maximum(np.sum(moduli**2, axis=-1) - 2.0 * runs, 0.0) / runs)
-    top = log_i0(moduli * best[..., None]).sum(axis=-1) - 0.5 * runs * best**2
-    narrow = np.log(2.5 / np.maximum(best * np.sqrt(runs), 2.5))
-    mean = np.maximum(log_mean_exp(logs), top + narrow - np.log(3.0))
-    return mean, np.maximum(top, logs.max(axis=-1))
 
 
 def line_findings(
@@ -87,12 +74,12 @@ def line_findings(
         heard = [run for run, there in zip(usable, awake[:, i], strict=True) if there]
         if not heard:
             continue
-        leaders = _leading(power[i], free)
+        leaders = leading(power[i], free)
         leaders = leaders[power[i, leaders] > 0.0]
         if not leaders.size:
             continue
         moduli = np.abs(np.array([run.lines[i, leaders] for run in heard]).T) / white[i]
-        best, log_sum, top = _best(moduli)
+        best, log_sum, top = best_of(moduli)
         k = int(leaders[best])
         log_b = log_sum - np.log(count)
         amplitude = float(
@@ -119,6 +106,23 @@ def line_findings(
                 max(2 * len(heard), 2),
             )
         )
+        strong = [run.lines[i] / white[i] for run in heard]
+        for log_b, gain, k in unknown_lines(strong, power[i], hz, free, count):
+            out.append(
+                Finding(
+                    "unknown",
+                    (gyro_name(i),),
+                    ("*",),
+                    log_b,
+                    2.0 * gain,
+                    {"frequency_hz": (float(hz[k]), None)},
+                    _LOCKED / n,
+                    "lines",
+                    "noise",
+                    "line",
+                    2,
+                )
+            )
     out += _motion(usable, hz, free, count, facts, white, allowed, samples)
     return out
 
@@ -139,24 +143,6 @@ def _peak_hz(hz: Array, power: Array, k: int) -> float:
     bend = left - 2.0 * middle + right
     shift = float(np.clip(0.5 * (left - right) / bend, -0.5, 0.5)) if bend < 0.0 else 0.0
     return float(hz[k] + shift * (hz[1] - hz[0]))
-
-
-def _leading(power: Array, free: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """The strongest of the lines that are free, the strongest last."""
-    power = np.where(free, power, 0.0)
-    few = np.argpartition(power, -_LEADERS)[-_LEADERS:] if len(power) > _LEADERS else np.arange(len(power))
-    return few[np.argsort(power[few], kind="stable")]
-
-
-def _best(moduli: Array) -> tuple[int, float, float]:
-    """The best line of (L, R): its index, ln of the sum of evidence over lines, and twice its best gain's
-    half.
-    """
-    mean, top = sizes_log(moduli)
-    k = int(np.argmax(mean))
-    # neighbours of a line in a spectrum of split lines say the same again
-    log_sum = float(log_mean_exp(mean) + np.log(len(mean))) - np.log(2.0)
-    return k, log_sum, float(top[k])
 
 
 def _motion(
@@ -180,7 +166,7 @@ def _motion(
     for run in runs:
         for part in (run.lines.real, run.lines.imag):
             power += np.sum((project @ part) ** 2, axis=0)
-    leaders = _leading(power, free)
+    leaders = leading(power, free)
     y = np.array([project @ run.lines[:, leaders] for run in runs])  # (R, d, leaders)
     cov = np.einsum("rdl,rel->lde", y.real, y.real) + np.einsum("rdl,rel->lde", y.imag, y.imag)
     _, vectors = np.linalg.eigh(cov)

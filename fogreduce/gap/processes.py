@@ -5,8 +5,8 @@ In the eigenvectors of the whitened process a residual z has the variance 1 + A^
     ln B = sum -1/2 ln(1 + A^2 d) + 1/2 z^2 A^2 d / (1 + A^2 d).
 
 Constants of each run are projected out: turn-on biases and scale factors speak for those. A process that
-forgets
-its past after some seconds (a telegraph, say) stands for what the catalogue has not.
+forgets its past after some seconds stands for what the catalogue has not; so does one that goes with the
+reading, as an unsteady scale factor does; and one that jumps between two levels (`fogreduce.gap.jumps`).
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
+from fogreduce.gap.jumps import Background, jumps_add
 from fogreduce.gap.noise_model import Whitener, process_covariance
 
 Array = NDArray[np.float64]
@@ -28,15 +29,22 @@ Array = NDArray[np.float64]
 CATALOGUED = {"bias_instability": ("flicker", "deg_h"), "rate_random_walk": ("walk", "deg_h_sqrt_h")}
 _FORGETS_S = (1.5, 5.0, 15.0, 45.0)
 _SHARE = 3.0  # how often the unknown is a process, beside other families
+_OF_GAIN = 0.5  # of those, how often it goes with the reading
+_JUMPS = 0.5  # and how often it jumps
+_WORTH = 4.0  # ln evidence of a process from which on jumps are looked for
+_STEADY = 0.02  # spread of a reading, relative to the largest, that counts as none
 _LOWEST, _HIGHEST, _STEPS = 1.5, 3000.0, 40
 
 
 class Processes:
     """Eigenvectors of every process at every gyro; they hold for any residual under the same whitener."""
 
-    def __init__(self, inputs: Sequence[RunInput], whiten: Whitener) -> None:
+    def __init__(self, inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array]) -> None:
         self.inputs, self.whiten = inputs, whiten
         self._known: dict[tuple[object, ...], tuple[Array, Array]] = {}
+        largest = np.max([np.abs(p).max(axis=1) for p in plain], axis=0)
+        self._reading = [p / np.maximum(largest, 1e-300)[:, None] for p in plain]
+        self._turns = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
 
     def findings(self, left: Array, allowed: frozenset[str]) -> Iterator[Finding]:
         """Every process at every gyro.
@@ -66,29 +74,45 @@ class Processes:
                     "low_frequency",
                     8,
                 )
-            for time in _FORGETS_S:
-                log_b, gain, _, _ = self._held(left, i, f"forgets {time}")
-                share = _SHARE / n / len(_FORGETS_S)
-                yield Finding(
-                    "unknown",
-                    name,
-                    ("*",),
-                    log_b,
-                    2.0 * gain,
-                    {},
-                    share,
-                    "process",
-                    "gyro",
-                    "low_frequency",
-                    8,
-                )
+            kinds = [("forgets", _SHARE)]
+            if self._turns:
+                kinds.append(("gain", _SHARE * _OF_GAIN))
+            for kind, weight in kinds:
+                share = weight / n
+                found = [self._held(left, i, f"{kind} {time}") for time in _FORGETS_S]
+                for log_b, gain, _, _ in found:
+                    yield _unknown(name, log_b, gain, share / len(_FORGETS_S))
+                best = max(found, key=lambda one: one[0])
+                if best[0] > _WORTH:
+                    more = self._jumps(left, i, kind)
+                    log_b = float(log_mean_exp(np.array([one[0] for one in found]))) + more
+                    yield _unknown(name, log_b, best[1] + more, share * _JUMPS)
+
+    def _jumps(self, left: Array, i: int, kind: str) -> float:
+        """What jumps between two levels add to a process of either kind."""
+        runs = range(len(self.inputs))
+        length = max(one.scene.blocks.count for one in self.inputs)
+        values, seen = np.zeros((len(runs), length)), np.zeros((len(runs), length), bool)
+        weights = np.ones(len(runs))
+        for r in runs:
+            matrix = self.whiten.filters[i, r]
+            part, count = self.whiten.rows.of(i, r), len(matrix)
+            values[r, :count] = np.linalg.solve(matrix, left[part])
+            scale = np.diag(matrix)
+            # a block without samples has next to no weight
+            seen[r, :count] = scale > 0.1 * float(np.median(scale))
+            if kind == "gain":
+                weights[r] = float(np.mean(self._reading[r][i]))
+        inverse = np.linalg.inv(self.whiten.filters[i, 0])
+        background = Background.of(inverse @ inverse.T)
+        return jumps_add(values, seen, self.inputs[0].scene.blocks.length_s, weights, background)
 
     def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
         """Ln B, best gain in ln likelihood, best size and its error."""
         # runs that share a filter share eigenvectors: (their variances, how many runs, sums of powers)
         alike: dict[int, tuple[Array, list[Array]]] = {}
         for r, one in enumerate(self.inputs):
-            vectors, d = self._eigen(i, r, one.scene.blocks, kind)
+            vectors, d = self._shape(i, r, one.scene.blocks, kind)
             power = (vectors.T @ left[self.whiten.rows.of(i, r)]) ** 2
             alike.setdefault(id(d), (d, []))[1].append(power)
         d = np.concatenate([d for d, _ in alike.values()])
@@ -110,11 +134,25 @@ class Processes:
         std = 0.5 * size / np.sqrt(-bend) if bend < 0.0 else size
         return float(log_mean_exp(logs)), float(max(logs[k], 0.0)), size, float(std)
 
-    def _eigen(self, i: int, r: int, blocks: Blocks, kind: str) -> tuple[Array, Array]:
+    def _shape(self, i: int, r: int, blocks: Blocks, kind: str) -> tuple[Array, Array]:
+        if not kind.startswith("gain"):
+            return self._eigen(i, r, blocks, kind)
+        reading, other = self._reading[r][i], kind.replace("gain", "forgets")
+        middle = float(np.mean(reading))
+        if float(np.ptp(reading)) < _STEADY * max(abs(middle), _STEADY):
+            vectors, d = self._eigen(i, r, blocks, other)
+            return vectors, middle**2 * d
+        return self._eigen(i, r, blocks, other, reading)
+
+    def _eigen(
+        self, i: int, r: int, blocks: Blocks, kind: str, factor: Array | None = None
+    ) -> tuple[Array, Array]:
         matrix = self.whiten.filters[i, r]
-        key = (id(matrix), kind)
+        key = (id(matrix), kind, None if factor is None else r)
         if key not in self._known:
             covariance = _covariance(kind, blocks)
+            if factor is not None:
+                covariance = covariance * np.outer(factor, factor)
             constant = matrix.sum(axis=1)
             constant = constant / np.linalg.norm(constant)
             white = matrix @ covariance @ matrix.T
@@ -125,6 +163,12 @@ class Processes:
             some = values > 1e-6 * values[-1]
             self._known[key] = (vectors[:, some], values[some])
         return self._known[key]
+
+
+def _unknown(name: tuple[str, ...], log_b: float, gain: float, share: float) -> Finding:
+    return Finding(
+        "unknown", name, ("*",), log_b, 2.0 * gain, {}, share, "process", "gyro", "low_frequency", 8
+    )
 
 
 def _covariance(kind: str, blocks: Blocks) -> Array:

@@ -186,7 +186,7 @@ class Search:
             nominal,
             builder.all(),
             families(data.inputs, whiten, builder.plain, self.allowed),
-            Processes(data.inputs, whiten),
+            Processes(data.inputs, whiten, builder.plain),
             frozenset(c.key for c in slow),
         )
 

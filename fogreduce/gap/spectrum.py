@@ -157,7 +157,9 @@ def _profile(mean_ratio: Array, weight: float, spreads: Array) -> Array:
     return result
 
 
-def level_findings(lv: Levels, i: int, allowed: frozenset[str], held: Array, free: bool) -> list[Finding]:
+def level_findings(
+    lv: Levels, i: int, allowed: frozenset[str], held: Array, free: bool, filtered: bool = False
+) -> list[Finding]:
     """White noise of another level, a low pass, or an unknown colour, at gyro i.
 
     Parameters
@@ -169,6 +171,8 @@ def level_findings(lv: Levels, i: int, allowed: frozenset[str], held: Array, fre
         Shape of the spectrum that causes found already make.
     free : bool
         Whether the level is a cause already, and so anything.
+    filtered : bool
+        Whether a filter is a cause already: a second one is not looked for.
     """
     keep, pieces = lv.keep[i], float(lv.pieces[i])
     if pieces == 0 or keep.sum() < 8:
@@ -223,7 +227,7 @@ def level_findings(lv: Levels, i: int, allowed: frozenset[str], held: Array, fre
             add("angle_random_walk", anything, level_snr2, {"deg_sqrt_h": (value, std)}, "white", "noise")
         else:
             add("unknown", anything, level_snr2, {}, "white", "noise")
-    if "low_pass" in allowed:
+    if not filtered:
         gains = _gains(lv.rate_hz, len(lv.frequency), lv.frequency.tobytes())[:, keep]
         under = ratio / gains
         logs = best_log(under) - pieces * np.log(gains).sum(axis=1)
@@ -231,7 +235,10 @@ def level_findings(lv: Levels, i: int, allowed: frozenset[str], held: Array, fre
         tau, std = _peak(_TAUS_MS, logs)
         snr2 = 2.0 * max(float(logs.max()) - nothing, 0.0)
         log_z = float(log_mean_exp(logs))
-        add("low_pass", log_z, snr2, {"time_constant_ms": (tau, std)}, "band", "electronics")
+        if "low_pass" in allowed:
+            add("low_pass", log_z, snr2, {"time_constant_ms": (tau, std)}, "band", "electronics")
+        else:
+            add("unknown", log_z, snr2, {}, "band", "noise")
     q = _bands(ratio, pieces)
     logs = log_bayes(q, 1)
     best = float(q.max()) if q.size else 0.0
