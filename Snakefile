@@ -34,4 +34,4 @@ rule all:
 
 
 onerror:
-    print(failed_runs(), file=sys.stderr)
+    print(summarize_failed(), file=sys.stderr)

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+from fogreduce.archive.code import digest_of
 from fogreduce.archive.crate import CRATE
 from fogreduce.archive.facts import Facts
 from fogreduce.archive.hdf5 import Looked, look_at
 from fogreduce.archive.outputs import VERSIONS
 from fogreduce.archive.records import MANIFEST, OUTPUTS, HashedFile, Manifest
 from fogreduce.archive.schema import ArchiveRecord, RunEntry
-from fogreduce.archive.software import code_digest_of
 from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.folder import load_calibration, load_run
@@ -50,8 +50,8 @@ def inconsistencies(facts: Facts, files: Files, campaign: str) -> Iterator[Fault
     if record.campaign != campaign:
         yield Fault(str(root / RECORD), "campaign", record.campaign, f"{campaign}, as bag-info.txt has it")
     package = "software/fogreduce/"
-    sources = {p.removeprefix(package): entry[0] for p, entry in files.items() if p.startswith(package)}
-    code = code_digest_of(sources, record.code_parts)
+    sources = {p.removeprefix(package): root / p for p in files if p.startswith(package)}
+    code = digest_of(sources, record.code_parts)
     if code != record.software["code_sha256"]:
         where, expected = "software.code_sha256", f"{code}, the code that lies in software/"
         yield Fault(str(root / RECORD), where, str(record.software["code_sha256"]), expected)

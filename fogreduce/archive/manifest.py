@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import fogreduce
-from fogreduce.archive.digest import code_digest, data_digest, file_digest
+from fogreduce.archive.code import code_digest
+from fogreduce.archive.digest import data_digest, file_digest
 from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import ReductionConfig

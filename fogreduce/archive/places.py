@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fogreduce.archive.contents import MADE, campaigns_in
-from fogreduce.archive.digest import REDUCTION_PARTS
 from fogreduce.archive.records import MANIFEST, Manifest, read_manifest, read_record
 from fogreduce.archive.schema import ArchiveRecord
 from fogreduce.archive.verify import listed
@@ -25,7 +24,7 @@ class RunPlace:
     package : Path or None
         The source of the package that is archived with it; None outside a bag.
     code_parts : tuple of str
-        Parts of the package that the hash of the code is over.
+        Sources of the archived package that the hash of the code is over.
     """
 
     manifest: Manifest
@@ -33,7 +32,7 @@ class RunPlace:
     inputs: Path
     calibrations: Path
     package: Path | None
-    code_parts: tuple[str, ...] = REDUCTION_PARTS
+    code_parts: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

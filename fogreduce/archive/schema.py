@@ -30,7 +30,7 @@ class ArchiveRecord(Model):
     schema_id: Literal["fogreduce/archive/1"] = Field(alias="schema")
     campaign: Name
     software: dict[str, Any] = Field(description="version of fogreduce and hash of its code")
-    code_parts: list[str] = Field(min_length=1, description="parts of the package that the hash is over")
+    code_parts: list[str] = Field(min_length=1, description="sources of the package that the hash is over")
     runs: list[RunEntry] = Field(min_length=1)
 
     @field_validator("software")

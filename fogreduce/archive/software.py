@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from hashlib import sha256
 from pathlib import Path
 
 import fogreduce
-from fogreduce.archive.digest import REDUCTION_PARTS
 from fogreduce.errors import BadInput
 
 #: Files of the source folder that an archive cannot do without.
@@ -41,23 +38,3 @@ def source_files(folder: Path) -> list[str]:
 
 def _is_aside(part: str) -> bool:
     return part.startswith(".") or part == "__pycache__" or part.endswith((".egg-info", ".pyc"))
-
-
-def code_digest_of(hashes: Mapping[str, str], parts: Iterable[str] = REDUCTION_PARTS) -> str:
-    """`fogreduce.archive.digest.code_digest` of sources that lie elsewhere, from their hashes alone.
-
-    Parameters
-    ----------
-    hashes : mapping
-        SHA-256 of each source by its name below the folder ``fogreduce``.
-    parts : iterable of str
-        Parts of the package that count.
-    """
-    digest = sha256()
-    for part in sorted(parts):
-        inside = [name for name in hashes if name.startswith(f"{part}/") and name.endswith(".py")]
-        names = [part] if part in hashes else sorted(inside, key=lambda name: name.split("/"))
-        for name in names:
-            digest.update(name.encode() + b"\0")
-            digest.update(bytes.fromhex(hashes[name]))
-    return digest.hexdigest()

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.archive.cell import Cell, CellName, find_cell
-from fogreduce.archive.digest import code_digest, file_digest
+from fogreduce.archive.code import code_digest, digest_of
+from fogreduce.archive.digest import file_digest
 from fogreduce.archive.places import RunPlace
 from fogreduce.archive.records import MANIFEST, HashedFile, Outputs, read_outputs
-from fogreduce.archive.software import code_digest_of
 from fogreduce.archive.stages import STAGES, stages_of
 from fogreduce.errors import BadInput
 
@@ -63,7 +63,7 @@ def trace(place: RunPlace, name: CellName, hashes: Hashes | None = None) -> dict
     for needed in (f"tables/{cell.table}", MANIFEST):
         if needed not in listed:
             raise BadInput.at(place.results / needed, "", found="no checksum", expected="one in outputs.json")
-    code = _code(place, hashes)
+    code = _code(place)
     return {
         "cell": _cell(cell, place),
         "table": _checked(place.results / "tables" / cell.table, listed[f"tables/{cell.table}"], hashes),
@@ -101,17 +101,16 @@ def _checked(path: Path, entry: HashedFile, hashes: Hashes) -> dict[str, Any]:
     return {"file": str(path), "bytes": entry.bytes, "sha256": entry.sha256, "verified": True}
 
 
-def _code(place: RunPlace, hashes: Hashes) -> dict[str, Any]:
+def _code(place: RunPlace) -> dict[str, Any]:
     """The software; its hash checked where its source is at hand."""
     stated = str(place.manifest.software.get("code_sha256"))
     if place.package is None:
         found = code_digest()
     else:
         sources = {
-            path.relative_to(place.package).as_posix(): hashes.of(path)
-            for path in sorted(place.package.rglob("*.py"))
+            path.relative_to(place.package).as_posix(): path for path in place.package.rglob("*.py")
         }
-        found = code_digest_of(sources, place.code_parts)
+        found = digest_of(sources, place.code_parts)
     return {**place.manifest.software, "source_at_hand": found == stated}
 
 

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import fogreduce
 from fogreduce.archive.bag import BagWriter
+from fogreduce.archive.code import digest_of, reduction_parts
 from fogreduce.archive.contents import Contents
 from fogreduce.archive.crate import CRATE, crate
-from fogreduce.archive.digest import REDUCTION_PARTS
-from fogreduce.archive.software import code_digest_of
 from fogreduce.errors import BadInput, Fault
 
 RECORD = "archive.json"
@@ -41,18 +40,19 @@ def write_bag(
         # The source first: where it is the wrong one, that is known before a capture is copied.
         bag.add(item for item in contents.items if item.path.startswith("software/"))
         sources = {
-            path.removeprefix(_PACKAGE): digest
-            for path, digest in bag.hashes.items()
-            if path.startswith(_PACKAGE)
+            item.path.removeprefix(_PACKAGE): item.source
+            for item in contents.items
+            if item.path.startswith(_PACKAGE) and item.path.endswith(".py")
         }
-        code = code_digest_of(sources)
+        parts = reduction_parts()
+        code = digest_of(sources, parts)
         _same_code(contents, code)
         bag.add(item for item in contents.items if not item.path.startswith("software/"))
         record = {
             "schema": RECORD_SCHEMA,
             "campaign": contents.campaign,
             "software": {"fogreduce": fogreduce.__version__, "code_sha256": code},
-            "code_parts": list(REDUCTION_PARTS),
+            "code_parts": parts,
             "runs": [
                 {
                     "run_id": run.manifest.run_id,

@@ -37,6 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="JSON list of [campaign, run_id]: the runs of --results (default: all that it holds)",
     )
+    parser.add_argument(
+        "--campaigns",
+        metavar=("DIR", "NAME"),
+        nargs="+",
+        help="folder of the campaigns, and the names of some: the runs that --results should hold",
+    )
     parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the tables")
 
 
@@ -59,15 +65,26 @@ def _runs(arguments: argparse.Namespace) -> Iterator[RunResults]:
 
     for folder in arguments.run_results:
         yield one_result(folder)
-    if arguments.runs is not None:
+    if arguments.runs is not None or arguments.campaigns is not None:
         if arguments.results is None:
             raise BadInput.at(
-                "--results", "", found="nothing", expected="the folder that holds the runs of --runs"
+                "--results", "", found="nothing", expected="the folder that holds the runs' results"
             )
-        for campaign, run_id in _listed(arguments.runs):
+        listed = _listed(arguments.runs) if arguments.runs is not None else _asked_for(*arguments.campaigns)
+        for campaign, run_id in listed:
             yield RunResults(arguments.results / campaign / run_id, campaign, run_id)
     elif arguments.results is not None:
         yield from find_results(arguments.results)
+
+
+def _asked_for(campaigns: str, *names: str) -> Iterator[tuple[str, str]]:
+    """Campaign and run of every run folder, of all campaigns or of those named."""
+    from fogreduce.metadata.folder import find_runs, list_campaigns
+
+    for folder in list_campaigns(campaigns):
+        if not names or folder.name in names:
+            for run in find_runs(folder)[0]:
+                yield folder.name, run.name
 
 
 def _listed(path: Path) -> list[tuple[str, str]]:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fogreduce.archive.software import code_digest_of, source_files, source_folder
+from fogreduce.archive.code import digest_of, reduction_parts
+from fogreduce.archive.software import source_files, source_folder
 from fogreduce.cli.main import main
 from fogreduce.metadata.yaml12 import dump_yaml
 
@@ -111,8 +112,8 @@ class ArchivedLab:
     def code(self):
         """Hash of the code that is archived."""
         package = self.source / "fogreduce"
-        sources = {path.relative_to(package).as_posix(): sha256_of(path) for path in package.rglob("*.py")}
-        return code_digest_of(sources)
+        sources = {path.relative_to(package).as_posix(): path for path in package.rglob("*.py")}
+        return digest_of(sources, reduction_parts())
 
     def reduce(self, run_id, *more):
         """Reduce a run into the results, and take its checksums."""

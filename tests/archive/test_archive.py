@@ -7,8 +7,8 @@ import shutil
 import pytest
 from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
 
-from fogreduce.archive.digest import REDUCTION_PARTS, code_digest
-from fogreduce.archive.software import code_digest_of, source_files, source_folder
+from fogreduce.archive.code import code_digest, digest_of, reduction_parts
+from fogreduce.archive.software import source_files, source_folder
 
 
 def test_the_same_results_give_the_same_bytes(archived, tmp_path):
@@ -43,20 +43,19 @@ def test_all_that_is_needed_to_redo_it_lies_there(archived):
     assert (data / "calibrations" / "TETRA-01" / "2012a.yaml").is_file()
 
 
-def test_the_code_hash_can_be_told_from_hashes_alone():
+def test_the_code_hash_can_be_told_from_archived_sources():
     root = source_folder(None)
-    hashes = {
-        name.removeprefix("fogreduce/"): sha256_of(root / name)
+    sources = {
+        name.removeprefix("fogreduce/"): root / name
         for name in source_files(root)
         if name.startswith("fogreduce/")
     }
-    assert code_digest_of(hashes) == code_digest()
-    assert code_digest_of(hashes, ["physics", "units.py"]) == code_digest(["physics", "units.py"])
+    assert digest_of(sources, reduction_parts()) == code_digest()
 
 
 def test_the_archive_is_no_part_of_the_code_that_numbers_come_from():
-    inside = [part for part in REDUCTION_PARTS if part.startswith("archive")]
-    assert inside == ["archive/digest.py", "archive/manifest.py"]
+    inside = [part for part in reduction_parts() if part.startswith("archive")]
+    assert inside == [f"archive/{name}.py" for name in ("__init__", "code", "digest", "manifest")]
 
 
 @pytest.mark.parametrize(
@@ -102,7 +101,7 @@ def test_a_capture_that_changed_since_is_refused(archived, tmp_path):
 def test_another_code_than_the_results_is_refused(archived, tmp_path):
     source = tmp_path / "source"
     shutil.copytree(archived.source, source)
-    edit(source / "fogreduce" / "units.py", b"", b"# another\n")
+    edit(source / "fogreduce" / "units.py", b"", b"ANOTHER = 1\n")
     arguments = [source if a == archived.source else a for a in archived.arguments(tmp_path / "bags")]
     status, _, err = call(*arguments)
     assert status == 2

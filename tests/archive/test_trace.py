@@ -9,7 +9,7 @@ from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
 from prov import model
 
 from fogreduce.archive.cell import CellName, error_columns, read_table, row_names
-from fogreduce.archive.digest import code_digest
+from fogreduce.archive.code import code_digest
 from fogreduce.archive.places import run_places
 from fogreduce.archive.prov import prov
 from fogreduce.archive.stages import STAGES, stages_of

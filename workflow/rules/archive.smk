@@ -14,7 +14,8 @@ rule checksums:
     benchmark:
         run_file("benchmarks/checksums.tsv")
     params:
-        code=code_digest(("archive/outputs.py", "archive/versions.py")),
+        edited=edited_outputs("checksums"),
+        code=code_digest("fogreduce.archive.outputs", "fogreduce.archive.versions"),
         out=run_results,
     shell:
         "fogreduce checksums {params.out:q} > {log:q} 2>&1"
@@ -41,7 +42,7 @@ rule bag:
     benchmark:
         f"{RESULTS}/_archive/benchmarks/{{campaign}}.tsv"
     params:
-        code=code_digest(("archive",)),
+        code=code_digest("fogreduce.archive.contents", "fogreduce.archive.write"),
         results=lambda wildcards, output: Path(output[0]).parent.parent,
         campaigns=CONFIG.campaigns_dir,
         calibrations=CONFIG.calibrations_dir,

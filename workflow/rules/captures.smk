@@ -13,9 +13,8 @@ rule make_capture:
     benchmark:
         run_file("benchmarks/capture.tsv")
     params:
-        code=code_digest(
-            ("simulate", "effects", "physics", "metadata", "constants.py", "units.py")
-        ),
+        code=code_digest("fogreduce.simulate.campaign", "fogreduce.simulate.plan"),
+        lock=LOCK,
         folder=lambda wildcards: f"{CONFIG.campaigns_dir}/{wildcards.campaign}",
         calibrations=CONFIG.calibrations_dir,
         out=lambda wildcards: f"{MADE}/{wildcards.campaign}",

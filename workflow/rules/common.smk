@@ -1,11 +1,21 @@
 """The configuration, the runs it asks for, and every file name of the workflow."""
 
+import csv
+import hashlib
 import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+from functools import lru_cache
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from fogreduce.archive.digest import code_digest
+from fogreduce.archive.code import code_digest
+from fogreduce.archive.edited import edited, notes_of
+from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.folder import find_runs, is_name, list_campaigns, load_campaign
@@ -24,7 +34,11 @@ RESULTS = CONFIG.results_dir.rstrip("/")
 RUN = f"{RESULTS}/{{campaign}}/{{run}}"
 MADE = f"{RESULTS}/_captures"  # no campaign's name begins with an underscore
 SUMMARY = f"{RESULTS}/_summary"
-STAGES = ("ingest", "calibrate", "project", "remove_earth", "fit", "drift")
+
+# With another environment numbers may differ: a parameter of every rule that computes some.
+LOCK = hashlib.sha256(
+    (Path(workflow.basedir) / "requirements.lock").read_bytes()
+).hexdigest()
 
 
 wildcard_constraints:
@@ -48,10 +62,9 @@ def campaign_folders():
 CAMPAIGNS = campaign_folders()
 FOUND = {name: find_runs(folder) for name, folder in CAMPAIGNS.items()}
 RUNS = [(name, run.name) for name, (runs, _) in FOUND.items() for run in runs]
+ABOUT = {name: checked(load_campaign, folder) for name, folder in CAMPAIGNS.items()}
 MADE_CAMPAIGNS = {
-    name
-    for name, folder in CAMPAIGNS.items()
-    if checked(load_campaign, folder).captures_from is not None
+    name for name, campaign in ABOUT.items() if campaign.captures_from is not None
 }
 
 for _, faults in FOUND.values():
@@ -80,24 +93,94 @@ def run_folder(wildcards):
     return f"{parent}/{wildcards.campaign}/runs/{wildcards.run}"
 
 
+@lru_cache(maxsize=None)
+def files_in(folder):
+    """The files of a folder, in order; hidden ones are passed over."""
+    with os.scandir(folder) as entries:
+        return sorted(
+            entry.path for entry in entries if entry.name[0] != "." and entry.is_file()
+        )
+
+
 def run_inputs(wildcards):
     """What a run is reduced from: its folder where a rule makes it, else the files in it."""
     folder = run_folder(wildcards)
-    if wildcards.campaign in MADE_CAMPAIGNS:
-        return [folder]
-    return sorted(str(path) for path in Path(folder).iterdir() if path.is_file())
+    return [folder] if wildcards.campaign in MADE_CAMPAIGNS else files_in(folder)
+
+
+def run_label(wildcards):
+    """The campaign's label, which stands in every result of its runs."""
+    return ABOUT[wildcards.campaign].label or ""
+
+
+CALIBRATIONS = sorted(
+    str(path) for path in Path(CONFIG.calibrations_dir).glob("*/*.yaml")
+)
+NAMED_RECORD = re.compile(
+    r"""^calibration:[ ]*['"]?([\w.-]+)@([\w.-]+)['"]?[ ]*(?:\#.*)?$""", re.MULTILINE
+)
+
+
+@lru_cache(maxsize=None)
+def calibration_of(campaign, run):
+    """The calibration record that a run names; all of them where that is for its manifest to find out."""
+    text = (CAMPAIGNS[campaign] / "runs" / run / "run.yaml").read_text(errors="replace")
+    named = NAMED_RECORD.search(text) or NAMED_RECORD.search(
+        f"calibration: {ABOUT[campaign].calibration}"
+    )
+    record = (
+        f"{CONFIG.calibrations_dir}/{'/'.join(named.groups())}.yaml" if named else ""
+    )
+    return [record] if record in CALIBRATIONS else CALIBRATIONS
 
 
 def calibration_inputs(wildcards):
-    """All calibration records of the folder: which one a run names is for its manifest to find out."""
-    return sorted(str(path) for path in Path(CONFIG.calibrations_dir).glob("*/*.yaml"))
+    """The calibration record that a run is reduced with."""
+    return calibration_of(wildcards.campaign, wildcards.run)
+
+
+def campaign_calibrations(wildcards):
+    """The calibration records that the runs of a campaign are reduced with."""
+    runs = FOUND[wildcards.campaign][0]
+    return sorted(
+        {path for run in runs for path in calibration_of(wildcards.campaign, run.name)}
+    )
+
+
+def find_edited():
+    """Outputs that were edited by hand, by run and rule, those of earlier calls among them."""
+    path = Path(RESULTS) / "_edited.json"
+    notes = json.loads(path.read_text()) if path.is_file() else {}
+    if not workflow.is_main_process:
+        return notes
+    before = json.dumps(notes, indent=1)
+    for campaign, run in RUNS:
+        changed = edited(Path(RESULTS) / campaign / run)
+        for name in changed:
+            print(
+                f"{RESULTS}/{campaign}/{run}/{name}: not what its checksum says; made anew",
+                file=sys.stderr,
+            )
+        if changed:
+            notes[f"{campaign}/{run}"] = notes_of(notes, f"{campaign}/{run}", changed)
+    if (after := json.dumps(notes, indent=1)) != before:
+        write_text(path, after)
+    return notes
+
+
+EDITED = find_edited()
+
+
+def edited_outputs(by):
+    """What was ever found edited of the outputs of a rule: while it stays the same, they stand."""
+    return lambda wildcards: EDITED.get(
+        f"{wildcards.campaign}/{wildcards.run}", {}
+    ).get(by, "")
 
 
 #: Campaigns that ask for their diagnosis.
 DIAGNOSED = [
-    name
-    for name, folder in CAMPAIGNS.items()
-    if checked(load_campaign, folder).diagnose and FOUND[name][0]
+    name for name, campaign in ABOUT.items() if campaign.diagnose and FOUND[name][0]
 ]
 
 
@@ -127,30 +210,25 @@ def summary_tables():
     return [f"{SUMMARY}/{name}.csv" for name in ("drift_all", "rates_all", "failed")]
 
 
-def is_reduced(folder):
-    """Whether a run's drift table is there, and of the version that its manifest says."""
-    manifest, drift = folder / "manifest.json", folder / "tables" / "drift.csv"
-    if not (manifest.exists() and drift.exists()):
-        return False
-    version = json.loads(manifest.read_text())["version_id"]
-    return all(
-        line.endswith(f",{version}") for line in drift.read_text().splitlines()[1:]
+SUMMARY_COMMAND = shlex.join(
+    ["fogreduce", "summary", "--results", RESULTS, "--out", SUMMARY]
+    + ["--campaigns", CONFIG.campaigns_dir, *CONFIG.campaigns]
+)
+
+
+def summarize_failed():
+    """The summary of a workflow that failed, with what is there; the runs that are not reduced, and why."""
+    done = subprocess.run(
+        SUMMARY_COMMAND, shell=True, capture_output=True, text=True, check=False
     )
-
-
-def failed_runs():
-    """The runs that are not reduced, and the last line of each of their logs."""
-    lines = ["", "These runs are not reduced:"]
-    for campaign, run in RUNS:
-        folder = Path(RESULTS) / campaign / run
-        if is_reduced(folder):
-            continue
-        said = [
-            line
-            for log in sorted((folder / "logs").glob("*.log"))
-            for line in log.read_text().splitlines()[-1:]
-        ]
-        lines.append(
-            f"  {campaign}/{run}: {said[-1] if said else 'see the messages above'}"
-        )
-    return "\n".join(lines)
+    if done.returncode:
+        return done.stderr
+    with open(f"{SUMMARY}/failed.csv", newline="") as file:
+        failed = list(csv.DictReader(file))
+    if not failed:
+        return "\nEvery run is reduced; what else failed, the messages above say."
+    lines = [
+        f"  {row['campaign']}/{row['run_id']}: {row['reason'] or 'see the messages above'}"
+        for row in failed
+    ]
+    return "\n".join(["", "These runs are not reduced:", *lines])

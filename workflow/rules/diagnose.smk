@@ -4,7 +4,7 @@
 rule diagnose:
     input:
         runs=diagnosed_inputs,
-        calibrations=calibration_inputs,
+        calibrations=campaign_calibrations,
     output:
         document=f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json",
         simulator=f"{RESULTS}/{{campaign}}/_diagnosis/simulator.yaml",
@@ -12,20 +12,8 @@ rule diagnose:
     log:
         f"{RESULTS}/{{campaign}}/_diagnosis/diagnose.log",
     params:
-        code=code_digest(
-            (
-                "gap",
-                "simulate",
-                "effects",
-                "stages",
-                "estimate",
-                "datasets",
-                "physics",
-                "metadata",
-                "constants.py",
-                "units.py",
-            )
-        ),
+        code=code_digest("fogreduce.gap.diagnose", "fogreduce.gap.write"),
+        lock=LOCK,
         folder=diagnosed_folder,
         out=lambda wildcards: f"{RESULTS}/{wildcards.campaign}/_diagnosis",
         calibrations=CONFIG.calibrations_dir,

@@ -16,7 +16,13 @@ rule figures:
     benchmark:
         run_file("benchmarks/figures.tsv")
     params:
-        code=code_digest(("figures",)),
+        edited=edited_outputs("figures"),
+        code=code_digest(
+            "fogreduce.figures.catalogue",
+            "fogreduce.figures.results",
+            "fogreduce.figures.save",
+        ),
+        lock=LOCK,
         folder=run_folder,
         out=run_results,
         formats=",".join(CONFIG.figures.formats),

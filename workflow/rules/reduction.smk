@@ -1,4 +1,8 @@
-"""The reduction of a run: manifest, then a node for each stage, in the order of the data flow."""
+"""The reduction of a run: manifest, then a node for each stage, in the order of the data flow.
+
+The manifest names the code, the environment, the parameters and every input, and its version id stands in each
+output of the stages: so what changes one of them remakes the manifest and, with it, the run.
+"""
 
 
 rule manifest:
@@ -12,7 +16,10 @@ rule manifest:
     benchmark:
         run_file("benchmarks/manifest.tsv")
     params:
+        edited=edited_outputs("manifest"),
         code=code_digest(),
+        lock=LOCK,
+        label=run_label,
         folder=run_folder,
         out=run_results,
         calibrations=CONFIG.calibrations_dir,
@@ -36,6 +43,7 @@ rule ingest:
     benchmark:
         run_file("benchmarks/ingest.tsv")
     params:
+        edited=edited_outputs("ingest"),
         folder=run_folder,
         out=run_results,
     shell:
@@ -53,6 +61,7 @@ rule calibrate:
     benchmark:
         run_file("benchmarks/calibrate.tsv")
     params:
+        edited=edited_outputs("calibrate"),
         out=run_results,
     shell:
         "fogreduce stage calibrate --out {params.out:q} > {log:q} 2>&1"
@@ -69,6 +78,7 @@ rule project:
     benchmark:
         run_file("benchmarks/project.tsv")
     params:
+        edited=edited_outputs("project"),
         out=run_results,
     shell:
         "fogreduce stage project --out {params.out:q} > {log:q} 2>&1"
@@ -86,6 +96,7 @@ rule remove_earth:
     benchmark:
         run_file("benchmarks/remove_earth.tsv")
     params:
+        edited=edited_outputs("remove_earth"),
         folder=run_folder,
         out=run_results,
     shell:
@@ -108,6 +119,7 @@ rule fit:
     benchmark:
         run_file("benchmarks/fit.tsv")
     params:
+        edited=edited_outputs("fit"),
         out=run_results,
     shell:
         "fogreduce stage fit --out {params.out:q} > {log:q} 2>&1"
@@ -124,6 +136,7 @@ rule drift:
     benchmark:
         run_file("benchmarks/drift.tsv")
     params:
+        edited=edited_outputs("drift"),
         out=run_results,
     shell:
         "fogreduce stage drift --out {params.out:q} > {log:q} 2>&1"

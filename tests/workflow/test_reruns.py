@@ -1,0 +1,213 @@
+"""What runs again after an edit, in a scratch copy of everything: exactly the nodes that the edit can touch."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BIN = Path(sys.executable).parent
+
+RUN_YAML = """\
+schema: fogreduce/run/1
+run_id: {run_id}
+unit: {unit}
+started_at: 2014-05-12T13:00:00Z
+site: {{latitude_deg: -23.21132308}}
+table:
+  axis: x
+  profile: [{{rate_deg_s: 10, duration_s: 10}}]
+orientation: {{x: up, z: north}}
+capture:
+  file: capture.fogcap
+  format: fogcap-1
+  sample_rate_hz: 32
+  volts_per_count: 1.0e-7
+  polarity: [1, -1, 1, 1]
+calibration: {unit}@2012a
+"""
+
+STAGES = {"ingest", "calibrate", "project", "remove_earth", "fit", "drift"}
+RUN = {"manifest", *STAGES, "figures", "checksums"}
+Nodes = set[tuple[str, str]]
+
+
+class Lab:
+    """A copy of the source, two runs of two units, and the workflow over them."""
+
+    def __init__(self, root: Path) -> None:
+        self.source = root / "source"
+        for name in ("fogreduce", "workflow", "profiles"):
+            shutil.copytree(ROOT / name, self.source / name, ignore=shutil.ignore_patterns("__pycache__"))
+        for name in ("Snakefile", "requirements.lock"):
+            shutil.copy(ROOT / name, self.source / name)
+        self.place = root / "place"
+        record = (ROOT / "calibrations" / "TETRA-01" / "2012a.yaml").read_text()
+        for run_id, unit in (("a", "TETRA-01"), ("b", "TETRA-02")):
+            folder = self.place / "plan" / "runs" / run_id
+            folder.mkdir(parents=True)
+            (folder / "run.yaml").write_text(RUN_YAML.format(run_id=run_id, unit=unit))
+            path = self.place / "calibrations" / unit / "2012a.yaml"
+            path.parent.mkdir(parents=True)
+            path.write_text(record.replace("TETRA-01", unit))
+        words = ["simulate", "plan", "--calibrations", "calibrations", "--out", "campaigns/lab"]
+        self._call("fogreduce", *words)
+
+    def _call(self, command: str, *words: object) -> str:
+        environment = {**os.environ, "PYTHONPATH": str(self.source), "OPENBLAS_NUM_THREADS": "1"}
+        done = subprocess.run(
+            [BIN / command, *map(str, words)],
+            cwd=self.place,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    def snakemake(self, *words: str, **config: str) -> str:
+        told = ["--cores", "2", "--snakefile", self.source / "Snakefile", *words]
+        told += ["--workflow-profile", self.source / "profiles" / "default"]
+        return self._call("snakemake", *told, *["--config"] * bool(config), *_settings(config))
+
+    def planned(self, **config: str) -> Nodes:
+        """What a call would run: rule and run, the aggregates without a run; `all` aside."""
+        nodes: Nodes = set()
+        for part in re.split(r"\n(?=\w*rule \w+:)", self.snakemake("--dry-run", **config)):
+            if match := re.match(r"\w*rule (\w+):", part):
+                run = re.search(r"wildcards: .*\brun=(\w+)", part)
+                nodes.add((match[1], run[1] if run else ""))
+        return nodes - {("all", "")}
+
+
+def _settings(config: dict[str, str]) -> list[str]:
+    return [f"{key}={value}" for key, value in config.items()]
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Lab:
+    lab = Lab(tmp_path_factory.mktemp("reruns"))
+    lab.snakemake()
+    return lab
+
+
+@contextmanager
+def changed(path: Path, change: Callable[[str], str]) -> Iterator[None]:
+    """A file with other content for a while, then as it was, its time too."""
+    before, times = path.read_bytes(), path.stat()
+    text = before.decode("latin-1")
+    assert change(text) != text
+    path.write_bytes(change(text).encode("latin-1"))
+    try:
+        yield
+    finally:
+        path.write_bytes(before)
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+
+def of(rules: set[str], *runs: str) -> Nodes:
+    return {(rule, run) for rule in rules for run in runs}
+
+
+SUMMARY = {("summary", "")}
+
+
+def statement(text: str) -> str:
+    return text + "\nA_WORD = 1\n"
+
+
+def comment(text: str) -> str:
+    return text.replace('"""', '"""Words. ', 1) + "\n\n# a word\n"
+
+
+def flipped(text: str) -> str:
+    return text[:-1] + chr(ord(text[-1]) ^ 1)
+
+
+#: What is edited -> file below the source or the place, edit, nodes that run again.
+EDITS: dict[str, tuple[str, Callable[[str], str], Nodes]] = {
+    "a stage": ("source/fogreduce/stages/drift.py", statement, of(RUN, "a", "b") | SUMMARY),
+    "shared physics": ("source/fogreduce/physics/frames.py", statement, of(RUN, "a", "b") | SUMMARY),
+    "a module imported late": (
+        "source/fogreduce/datasets/readers/csv1.py",
+        statement,
+        of(RUN, "a", "b") | SUMMARY,
+    ),
+    "a figure": ("source/fogreduce/figures/rates.py", statement, of({"figures", "checksums"}, "a", "b")),
+    "the summary": ("source/fogreduce/stages/summary.py", statement, SUMMARY),
+    "a module that no node uses": ("source/fogreduce/cli/curve.py", statement, set()),
+    "comment and docstring of a stage": ("source/fogreduce/stages/fit.py", comment, set()),
+    "the lock": ("source/requirements.lock", statement, of(RUN, "a", "b") | SUMMARY),
+    "a calibration record": (
+        "place/calibrations/TETRA-02/2012a.yaml",
+        lambda text: text + "# a word\n",
+        of(RUN, "b") | SUMMARY,
+    ),
+    "run.yaml": (
+        "place/campaigns/lab/runs/a/run.yaml",
+        lambda text: text.replace("-23.2113", "-23.2114"),
+        of(RUN, "a") | SUMMARY,
+    ),
+    "a capture": ("place/campaigns/lab/runs/a/capture.fogcap", flipped, of(RUN, "a") | SUMMARY),
+}
+
+
+@pytest.mark.slow
+def test_nothing_changed_nothing_runs(lab: Lab) -> None:
+    assert lab.planned() == set()
+    path = lab.place / "campaigns/lab/runs/a/run.yaml"
+    os.utime(path)
+    assert lab.planned() == set(), "touched, but equal"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_runs_again_what_it_touches(lab: Lab, edit: str) -> None:
+    name, change, expected = EDITS[edit]
+    with changed(lab.place.parent / name, change):
+        assert lab.planned() == expected
+
+
+@pytest.mark.slow
+def test_a_configured_value_runs_again_what_it_touches(lab: Lab) -> None:
+    assert lab.planned(figures="{formats: [png]}") == of({"figures", "checksums"}, "a", "b")
+    assert lab.planned(reduction="{edge_guard_s: 0.25}") == of(RUN, "a", "b") | SUMMARY
+
+
+@pytest.mark.slow
+def test_outputs_edited_by_hand_are_made_anew_once(lab: Lab) -> None:
+    results = lab.place / "results" / "lab"
+    edited = [results / "a" / "tables" / "drift.csv", results / "b" / "datasets" / "project.nc"]
+    before = [path.read_bytes() for path in edited]
+    untouched = (results / "a" / "datasets" / "ingest.nc").stat().st_mtime_ns
+    for _ in range(2):  # the same edit a second time is found again
+        edited[0].write_bytes(before[0].replace(b"x,", b"y,"))
+        edited[1].write_bytes(before[1][:-1] + bytes([before[1][-1] ^ 1]))
+        last = {"drift", "figures", "checksums"}
+        expected = of(last, "a") | of({"project", "remove_earth", "fit", *last}, "b") | SUMMARY
+        assert lab.planned() == expected
+        lab.snakemake()
+        assert [path.read_bytes() for path in edited] == before
+        assert lab.planned() == set()
+    assert (results / "a" / "datasets" / "ingest.nc").stat().st_mtime_ns == untouched
+
+
+@pytest.mark.slow
+def test_an_added_run_is_the_only_one_that_runs(lab: Lab) -> None:
+    runs = lab.place / "campaigns/lab/runs"
+    shutil.copytree(runs / "a", runs / "c")
+    path = runs / "c" / "run.yaml"
+    path.write_text(path.read_text().replace("run_id: a", "run_id: c"))
+    try:
+        assert lab.planned() == of(RUN, "c") | SUMMARY
+    finally:
+        shutil.rmtree(runs / "c")
