@@ -4,6 +4,8 @@ import os
 import sys
 from pathlib import Path
 
+from fogreduce.warm.start import start
+
 # The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
 os.environ.update(
     PATH=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
@@ -31,6 +33,11 @@ rule all:
         summary_tables(),
         expand(run_file("outputs.json"), zip, **run_wildcards()),
         expand(f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json", campaign=DIAGNOSED),
+
+
+onstart:
+    # Jobs are served by one warm process; without it each starts from cold, with the same results.
+    start()
 
 
 onerror:

@@ -1,16 +1,16 @@
 """Which of the package's modules a piece of work uses, and a hash of what they say.
 
-The modules are found from their imports, those inside functions and those named in a string among them; nobody
-keeps a list.  Comments, docstrings and blank lines do not count: editing one changes no number.  It is done with
-regular expressions, ten times as fast as a parser, since every cold command that writes a manifest does it; a
-test holds both against Python's own parser on every module of the package.
+The modules are found from their imports, those inside functions and those named in a string among them;
+nobody keeps a list.  Comments, docstrings and blank lines do not count: editing one changes no number.  It is
+done with regular expressions, faster than a parser, since every command that writes a manifest does it; a
+test holds it against Python's own parser on every module of the package.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
@@ -74,7 +74,7 @@ def imports(text: str, *, only_at_top: bool = False) -> set[str]:
     return found | set(_NAMED.findall(text))
 
 
-@lru_cache(maxsize=None)
+@cache
 def _read(path: Path, size: int, time_ns: int) -> tuple[str, frozenset[str]]:
     """Hash of a module's meaning, and what it imports; read again only where the file was written anew."""
     if size > _LARGEST_SOURCE_BYTES:  # no module, but what a stranger put in its place
@@ -82,7 +82,8 @@ def _read(path: Path, size: int, time_ns: int) -> tuple[str, frozenset[str]]:
     text = meaning(path.read_bytes().decode("utf-8", "surrogateescape"))
     # The package itself imports its view of results only for who asks for it by name.
     top = path.parent.name == "fogreduce" and path.name == "__init__.py"
-    return sha256(text.encode("utf-8", "surrogateescape")).hexdigest(), frozenset(imports(text, only_at_top=top))
+    digest = sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
+    return digest, frozenset(imports(text, only_at_top=top))
 
 
 def _source(path: Path) -> tuple[str, frozenset[str]]:

@@ -1,7 +1,7 @@
 """Results that are no longer what they were when their checksums were taken: edited by hand, or spoilt.
 
-Quick enough for every call of the workflow: a file is read only where its size differs or it was written after
-its checksums, so a thousand runs cost a fifth of a second.  `fogreduce verify` reads every byte.
+Quick enough for every call of the workflow: a file is read only where its size differs or it was written
+after its checksums were.  `fogreduce verify` reads every byte.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def rule_of(name: str) -> str:
 
 
 def notes_of(before: Mapping[str, Mapping[str, str]], run: str, files: Mapping[str, str]) -> dict[str, str]:
-    """What the workflow remembers of a run: by rule, a digest of all that was ever found edited of its outputs.
+    """What the workflow remembers of a run: by rule, a digest of all that was found edited of its outputs.
 
     It is a parameter of the rule.  It stays as it is after the output is made anew, so that it is made once.
     """

@@ -107,9 +107,7 @@ def _code(place: RunPlace) -> dict[str, Any]:
     if place.package is None:
         found = code_digest()
     else:
-        sources = {
-            path.relative_to(place.package).as_posix(): path for path in place.package.rglob("*.py")
-        }
+        sources = {path.relative_to(place.package).as_posix(): path for path in place.package.rglob("*.py")}
         found = digest_of(sources, place.code_parts)
     return {**place.manifest.software, "source_at_hand": found == stated}
 

@@ -17,6 +17,7 @@ from typing import Any
 
 from fogreduce.archive.outputs import VERSIONS
 from fogreduce.archive.records import OUTPUTS, Outputs, read_outputs
+from fogreduce.datasets.atomic import sweep
 
 _NAME = re.compile(r"([1-9][0-9]{0,5})-([0-9a-f]{16})")
 _SMALL_BYTES = 1 << 20
@@ -56,6 +57,7 @@ def keep(results: Path, data: Mapping[str, Any]) -> Version:
             return version
     number = kept[-1].number + 1 if kept else 1
     target = results / VERSIONS / f"{number}-{outputs.version_id}"
+    sweep(target)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     shutil.rmtree(temporary, ignore_errors=True)
     try:

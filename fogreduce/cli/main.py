@@ -31,6 +31,7 @@ COMMANDS = {
     "trace": ("trace", "trace one cell of a table back to the bytes that it came from"),
     "restore": ("restore", "make a working folder of an archive, or compare results with it"),
     "history": ("history", "show the versions of a run's results, and what changed between them"),
+    "server": ("server", "serve the commands of a workflow's jobs from one warm process"),
     "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
     "page": ("page", "write pages of results for people: a run, a campaign, all campaigns (a node)"),
 }

@@ -1,4 +1,4 @@
-"""What runs again after an edit, in a scratch copy of everything: exactly the nodes that the edit can touch."""
+"""What runs again after an edit, in a scratch copy of everything: exactly the nodes that it can touch."""
 
 from __future__ import annotations
 

@@ -1,0 +1,25 @@
+"""``fogreduce server DIR``: a warm server for the jobs of a workflow, which starts it."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from pathlib import Path
+
+HELP = "serve the commands of a workflow's jobs from one warm process"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("folder", type=Path, metavar="DIR", help="its private folder; removed at the end")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until standard input closes."""
+    from fogreduce.warm.serve import Server
+
+    try:
+        Server(arguments.folder).run()
+    finally:
+        shutil.rmtree(arguments.folder, ignore_errors=True)
+    return 0
