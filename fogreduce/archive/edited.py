@@ -16,6 +16,13 @@ from fogreduce.archive.records import MANIFEST, OUTPUTS, VERSION_ID_DIGITS
 from fogreduce.archive.stages import STAGES
 
 _GONE = "gone"
+#: What no stage writes; the rest lies in a folder of its rule's name.
+_OTHERS = {
+    MANIFEST: "manifest",
+    "index.html": "run_page",
+    "reports/overview.json": "run_page",
+    OUTPUTS: "checksums",
+}
 
 
 def edited(folder: Path) -> dict[str, str]:
@@ -75,7 +82,7 @@ def rule_of(name: str) -> str:
     for stage, facts in STAGES.items():
         if name in facts.writes:
             return stage
-    return {MANIFEST: "manifest", OUTPUTS: "checksums"}.get(name, name.split("/")[0])
+    return _OTHERS.get(name, name.split("/")[0])
 
 
 def notes_of(before: Mapping[str, Mapping[str, str]], run: str, files: Mapping[str, str]) -> dict[str, str]:

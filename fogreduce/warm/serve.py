@@ -28,6 +28,7 @@ ALWAYS = ("fogreduce.archive.manifest", "fogreduce.archive.versions", "fogreduce
 PER_COMMAND = {
     "figures": ("fogreduce.figures.catalogue", "fogreduce.figures.results", "fogreduce.figures.save"),
     "diagnose": ("fogreduce.gap.diagnose", "fogreduce.gap.write"),
+    "page": ("fogreduce.pages.overview", "fogreduce.pages.run_page"),
     "simulate": ("fogreduce.simulate.campaign", "fogreduce.simulate.plan"),
 }
 _LARGEST_REQUEST_BYTES = 1 << 24

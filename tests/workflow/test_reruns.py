@@ -36,7 +36,8 @@ calibration: {unit}@2012a
 """
 
 STAGES = {"ingest", "calibrate", "project", "remove_earth", "fit", "drift"}
-RUN = {"manifest", *STAGES, "figures", "checksums"}
+LAST = {"figures", "run_page", "checksums"}
+RUN = {"manifest", *STAGES, *LAST}
 Nodes = set[tuple[str, str]]
 
 
@@ -142,7 +143,7 @@ EDITS: dict[str, tuple[str, Callable[[str], str], Nodes]] = {
         statement,
         of(RUN, "a", "b") | SUMMARY,
     ),
-    "a figure": ("source/fogreduce/figures/rates.py", statement, of({"figures", "checksums"}, "a", "b")),
+    "a figure": ("source/fogreduce/figures/rates.py", statement, of(LAST, "a", "b")),
     "the summary": ("source/fogreduce/stages/summary.py", statement, SUMMARY),
     "a module that no node uses": ("source/fogreduce/cli/curve.py", statement, set()),
     "comment and docstring of a stage": ("source/fogreduce/stages/fit.py", comment, set()),
@@ -179,7 +180,7 @@ def test_an_edit_runs_again_what_it_touches(lab: Lab, edit: str) -> None:
 
 @pytest.mark.slow
 def test_a_configured_value_runs_again_what_it_touches(lab: Lab) -> None:
-    assert lab.planned(figures="{formats: [png]}") == of({"figures", "checksums"}, "a", "b")
+    assert lab.planned(figures="{formats: [png]}") == of(LAST, "a", "b")
     assert lab.planned(reduction="{edge_guard_s: 0.25}") == of(RUN, "a", "b") | SUMMARY
 
 
@@ -192,7 +193,7 @@ def test_outputs_edited_by_hand_are_made_anew_once(lab: Lab) -> None:
     for _ in range(2):  # the same edit a second time is found again
         edited[0].write_bytes(before[0].replace(b"x,", b"y,"))
         edited[1].write_bytes(before[1][:-1] + bytes([before[1][-1] ^ 1]))
-        last = {"drift", "figures", "checksums"}
+        last = {"drift", *LAST}
         expected = of(last, "a") | of({"project", "remove_earth", "fit", *last}, "b") | SUMMARY
         assert lab.planned() == expected
         lab.snakemake()

@@ -26,7 +26,8 @@ rule run_page:
     benchmark:
         run_file("benchmarks/page.tsv")
     params:
-        code=code_digest(("pages", "estimate/mean_curve.py")),
+        edited=edited_outputs("run_page"),
+        code=code_digest("fogreduce.pages.overview", "fogreduce.pages.run_page"),
         templates=data_digest(TEMPLATES),
         out=run_results,
     shell:
