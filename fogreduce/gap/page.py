@@ -4,119 +4,34 @@ statistics.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
+from math import floor, log10
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fogreduce.effects.table import EFFECTS
-from fogreduce.gap import svg
 from fogreduce.gap.diagnose import Diagnosis
-from fogreduce.gap.fitted import simulated
+from fogreduce.gap.html import document, table
+from fogreduce.gap.page_figures import figures, percent, place
+from fogreduce.gap.words import in_words
 
-Array = NDArray[np.float64]
+_FAR = 10.0  # times what units of this class show: worth a word
+
+__all__ = ["figures", "page"]
 
 _HEADLINES = {
-    "no_gap": "The bench agrees with the simulator.",
-    "explained": "The bench departs from the simulator, and the causes below explain it.",
-    "partly_explained": "The bench departs from the simulator. The causes below explain a part; "
-    "something is left.",
-    "unexplained": "The bench departs from the simulator, and nothing in the catalogue explains it.",
+    "no_gap": "the bench agrees with the simulator",
+    "explained": "the bench departs from the simulator, and the causes below explain it",
+    "partly_explained": "the bench departs from the simulator; the causes below explain a part",
+    "unexplained": "the bench departs from the simulator, and nothing in the catalogue explains it",
 }
-_STYLE = """body{font:16px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#222}
-table{border-collapse:collapse;margin:1em 0}td,th{border-bottom:1px solid #ddd;padding:.3em
-.8em;text-align:left}
-.quiet{color:#5f5f5f}h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}svg{width:100%;height:auto}"""
-
-
-def figures(diagnosis: Diagnosis) -> dict[str, str]:
-    """SVG figures by file name."""
-    before, after, marks = _gap(diagnosis)
-    names = [f"gyro{i + 1}" for i in range(diagnosis.data.n)]
-    out = {
-        "gap-gyros.svg": svg.traces(
-            [(name, b, a) for name, b, a in zip(names, before, after, strict=True)],
-            marks,
-            "deg/h",
-            "measured less predicted, each gyro, before and after the causes",
-        )
-    }
-    projection = diagnosis.data.inputs[0].facts.projection
-    if projection is not None:
-        xyz = [
-            ("xyz"[k], b, a)
-            for k, (b, a) in enumerate(zip(projection @ before, projection @ after, strict=True))
-        ]
-        out["gap-xyz.svg"] = svg.traces(xyz, marks, "deg/h", "the same in x, y and z")
-    rows = [
-        (_place(p), p["sigma"], f"{p['sigma']:.1f} sigma, share {p['share']:.2f}")
-        for p in diagnosis.document["where"]
-    ]
-    if rows:
-        out["where.svg"] = svg.bars(rows, "where the gap lies", svg.BEFORE)
-    members = [
-        (_name(m), m["probability"], f"{m['probability']:.3f}")
-        for c in diagnosis.document["causes"]
-        for m in c["group"]
-    ]
-    if members:
-        out["causes.svg"] = svg.bars(members, "probability of each cause and its rivals")
-    closure = diagnosis.document["closure"]
-    if closure is not None:
-        lines = [
-            (
-                "the causes close",
-                closure["fraction"],
-                f"{100 * closure['fraction']:.1f} +- {100 * closure['std']:.1f} %",
-            )
-        ]
-        if "placebo_fraction" in closure:
-            lines.append(
-                (
-                    "a wrong effect closes",
-                    closure["placebo_fraction"],
-                    f"{100 * closure['placebo_fraction']:.1f} %",
-                )
-            )
-        out["closure.svg"] = svg.bars(lines, "how far the gap closes on data that was not fitted")
-    return out
-
-
-def _gap(diagnosis: Diagnosis) -> tuple[Array, Array, list[tuple[float, str]]]:
-    """Residual of each gyro through all runs (n, blocks), before and after; where runs begin."""
-    data, state = diagnosis.data, diagnosis.verdict.state
-    rows = state.ground.whiten.rows
-    slow = [c for c in state.causes if c.slow]
-    before = rows.stacked(data.residual).reshape(data.n, -1)
-    change = np.zeros_like(before)
-    if slow:
-        change = (simulated(data.inputs, slow, rows) - state.ground.nominal).reshape(data.n, -1)
-    starts = np.concatenate(([0], np.cumsum(rows.counts)[:-1])) / max(rows.per_gyro, 1)
-    return before, before - change, list(zip(starts.tolist(), data.run_ids, strict=True))
-
-
-def _name(item: Mapping[str, Any]) -> str:
-    runs = "" if list(item["runs"]) == ["*"] else f" in {', '.join(item['runs'])}"
-    return f"{item['effect']} {', '.join(item['channels'])}{runs}"
-
-
-def _place(item: Mapping[str, Any]) -> str:
-    runs = f" in {item['runs'][0]}" if len(item["runs"]) == 1 else ""
-    return f"{', '.join(item['channels'])}: {item['feature'].replace('_', ' ')}{runs}"
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    cells = "".join(f"<th>{escape(h)}</th>" for h in head)
-    lines = "".join("<tr>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>" for row in rows)
-    return f"<table><tr>{cells}</tr>{lines}</table>"
-
-
-def _number(value: Any) -> str:
-    if isinstance(value, list):
-        return "[" + ", ".join(_number(v) for v in value) + "]"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+_STAGES = {
+    "table": "as a true rotation would do",
+    "gyro": "in what one gyro reads",
+    "noise": "in the noise",
+    "electronics": "in the converter",
+    "link": "on the link",
+}
 
 
 def page(diagnosis: Diagnosis, drawn: Mapping[str, str], label: str | None = None) -> str:
@@ -125,72 +40,228 @@ def page(diagnosis: Diagnosis, drawn: Mapping[str, str], label: str | None = Non
     parts = [f"<h1>{escape(d['campaign'])}: {_HEADLINES[d['verdict']]}</h1>"]
     if label:
         parts.append(f"<p><strong>{escape(label)}</strong></p>")
-    parts.append(
-        f"<p>Runs: {escape(', '.join(d['runs']))}. Probability that something is wrong "
-        f"beyond noise and what the "
-        f"calibration record states as uncertain: {d['gap_probability']:.3f}. Probability "
-        f"that something outside the "
-        f"catalogue takes part: {d['unknown_probability']:.3f}.</p>"
-    )
-    parts.append(
-        "<h2>Measured less predicted</h2><p>Means over short blocks, one run after the "
-        "other. What is flat and thin "
-        "is noise.</p>" + drawn.get("gap-gyros.svg", "") + drawn.get("gap-xyz.svg", "")
-    )
+    parts.append(_summary(d))
+    parts.append(_before_and_after(d, drawn))
     if d["where"]:
-        parts.append(
-            "<h2>Where</h2><p>No cause is assumed here. <em>Sigma</em>: by how many times "
-            "its expected scatter this "
-            "place is off; above 5 chance is no explanation.</p>" + drawn["where.svg"]
-        )
+        parts.append(_where(d, drawn))
     if d["causes"]:
-        rows = [
-            [
-                _name(c),
-                EFFECTS[c["effect"]].equation,
-                f"{c['probability']:.3f}",
-                ", ".join(
-                    f"{k} = {_number(p['value'])}"
-                    + (f" +- {_number(p['std'])}" if p["std"] is not None else "")
-                    for k, p in c["parameters"].items()
-                ),
-            ]
-            for c in d["causes"]
-        ]
-        parts.append(
-            "<h2>Which</h2>"
-            + _table(("cause", "what it does", "probability", "parameters"), rows)
-            + "<p>Rivals that these runs cannot exclude stand beside each cause.</p>"
-            + drawn.get("causes.svg", "")
-        )
-    if d["closure"] is not None:
-        parts.append(
-            f"<h2>How far the gap closes</h2><p>The simulator was run again with the causes "
-            f"in it and held against "
-            f"data that the fit had not seen ({escape(d['closure']['held_out'])}). A wrong "
-            f"effect, fitted just as "
-            f"hard, should close nothing.</p>" + drawn["closure.svg"]
-        )
-    left = d["remainder"]
-    parts.append(
-        "<h2>What remains</h2><p>"
-        + ("Something significant is left." if left["significant"] else "Nothing significant is left.")
-        + "</p>"
-    )
-    if left["where"]:
-        parts.append(_table(("where", "sigma"), [[_place(p), f"{p['sigma']:.1f}"] for p in left["where"]]))
+        parts.append(_which(d, drawn))
+    if d["closure"] is not None and d["causes"]:
+        parts.append(_closure(d["closure"], drawn))
+    if d["verdict"] != "no_gap":
+        parts.append(_remains(d, drawn))
     if d["next_run"] is not None:
-        n = d["next_run"]
-        parts.append(
-            f"<h2>What to run next</h2><p>About axis {escape(str(n['table']['axis']))}, "
-            f"{n['table']['profile'][0]['rate_deg_s']:g} deg/s for "
-            f"{n['table']['profile'][0]['duration_s']:g} s, "
-            f"orientation {escape(str(n['orientation']))}: {escape(n['why'])}.</p>"
+        parts.append(_next_run(d["next_run"]))
+    parts.append(_left_out(diagnosis))
+    return document(f"{d['campaign']}: diagnosis", parts)
+
+
+def _summary(d: Mapping[str, Any]) -> str:
+    lines = []
+    if d["verdict"] == "no_gap":
+        lines.append(
+            "Nothing departs from the prediction by more than noise and what the calibration record states "
+            "as uncertain. Probability that something is wrong all the same: "
+            f"{percent(d['gap_probability'])}."
         )
-    parts.append('<p class="quiet">simulator.yaml beside this page puts the causes into the simulator.</p>')
-    return (
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
-        f"<title>{escape(d['campaign'])}: diagnosis</title><style>{_STYLE}</style></head><body>"
-        + "\n".join(parts)
-        + "</body></html>\n"
+    for cause in d["causes"]:
+        numbers = _parameters(cause)
+        line = f"<strong>{escape(in_words(cause))}</strong>{': ' + numbers if numbers else ''}, "
+        if len(cause["group"]) > 1:
+            line += (
+                f"or one of {len(cause['group']) - 1} others that these runs cannot tell from it "
+                f"(one of them all: {percent(cause['group_probability'])})."
+            )
+        else:
+            line += f"probability {percent(cause['probability'])}."
+        lines.append(line)
+    if d["causes"] and d["closure"] is not None:
+        c = d["closure"]
+        lines.append(
+            f"With {'it' if len(d['causes']) == 1 else 'them'} in the simulator, "
+            f"{_closed(c)} of the gap closes on data that the fit did not see."
+        )
+    if d["verdict"] in ("unexplained", "partly_explained") and d["where"]:
+        first = (d["remainder"]["where"] or d["where"])[0]
+        lines.append(f"What is not explained shows {_STAGES[first['stage']]}, at {escape(place(first))}.")
+    if d["verdict"] != "no_gap":
+        lines.append(
+            f"Probability that there is a gap: {percent(d['gap_probability'])}; that something outside the "
+            f"catalogue takes part: {percent(d['unknown_probability'])}."
+        )
+    lines.append(f"Runs: {escape(', '.join(d['runs']))}.")
+    return '<div class="box">' + "".join(f"<p>{line}</p>" for line in lines) + "</div>"
+
+
+def _closed(closure: Mapping[str, Any]) -> str:
+    return f"{100 * closure['fraction']:.1f} +- {100 * closure['std']:.1f} %"
+
+
+def _before_and_after(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+    words = (
+        "Means over short blocks, one run after the other. What the calibration record leaves open (scale "
+        "factors, biases, axes, headings, turn-on biases) is taken off first, at its most probable: it is no "
+        "gap. "
     )
+    if d["verdict"] == "no_gap":
+        words += "What is left is noise."
+    elif d["causes"]:
+        words += "The blue line should be noise about zero; where it is not, something is left."
+    else:
+        words += "No cause was found, so there is no line for after."
+    return (
+        f"<h2>Measured less predicted</h2><p>{words}</p>"
+        + drawn.get("gap-gyros.svg", "")
+        + drawn.get("gap-xyz.svg", "")
+    )
+
+
+def _where(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+    return (
+        "<h2>Where</h2><p>No cause is assumed here. <em>Sigma</em>: by how many times its expected scatter "
+        "a place is off; up to 4 may be chance, and less than that is not shown. The row <em>table</em> is "
+        "what all gyros show alike, as a true rotation would.</p>"
+        + drawn["where.svg"]
+        + "<p>Parts of the whole gap:</p>"
+        + drawn["share.svg"]
+    )
+
+
+def _which(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+    rows = [
+        [
+            escape(in_words(c)),
+            escape(EFFECTS[c["effect"]].equation),
+            percent(c["probability"]),
+            _parameters(c, "<br>"),
+        ]
+        for c in d["causes"]
+    ]
+    text = "<h2>Which</h2><p>What was found, with one standard deviation. " + (
+        "Of causes stated at 90 %, nine in ten should be right.</p>"
+    )
+    text += table(("cause", "what it does", "probability", "size"), rows)
+    text += '<p class="quiet">M_i: what gyro i reads; t: time since the run began.</p>'
+    for cause in d["causes"]:
+        if len(cause["group"]) > 1:
+            text += (
+                f"<p>These runs cannot tell <em>{escape(in_words(cause))}</em> from what stands with it "
+                f"here. That it is one of them: {percent(cause['group_probability'])}.</p>"
+            )
+            rivals = [[escape(in_words(m)), percent(m["probability"])] for m in cause["group"]]
+            text += table(("might be", "probability"), rivals)
+    if len(d["causes"]) > 1 and all(len(c["group"]) == 1 for c in d["causes"]):
+        text += drawn.get("causes.svg", "")
+    return text
+
+
+def _parameters(cause: Mapping[str, Any], between: str = ", ") -> str:
+    """Sizes of a cause with units; one that is far beyond what such units show is said to be."""
+    known = {p.name: p for p in EFFECTS[cause["effect"]].parameters}
+    out = []
+    for name, p in cause["parameters"].items():
+        unit = known[name].unit if name in known else ""
+        text = f"{_number(p['value'], p['std'])} {unit}".strip()
+        out.append(text if unit and len(cause["parameters"]) == 1 else f"{escape(name)} {text}")
+        usual = known[name].realistic if name in known else None
+        if usual is not None and isinstance(p["value"], float) and abs(p["value"]) > _FAR * usual[1]:
+            out.append(f"(units of this class show {usual[0]:g} to {usual[1]:g})")
+    return between.join(out)
+
+
+def _number(value: Any, std: Any) -> str:
+    """A value with its error, both to two digits of the error."""
+    if isinstance(value, list):
+        errors = std if isinstance(std, list) else [None] * len(value)
+        return "[" + ", ".join(_number(v, s) for v, s in zip(value, errors, strict=True)) + "]"
+    if not isinstance(value, int | float):
+        return escape(str(value))
+    if not isinstance(std, int | float) or std <= 0.0:
+        return f"{value:.4g}"
+    digits = 1 - floor(log10(std))
+    if not -7 < digits <= 5:
+        return f"{value:.4g} +- {std:.2g}"
+    return f"{round(value, digits):.{max(digits, 0)}f} +- {round(std, digits):.{max(digits, 0)}f}"
+
+
+def _closure(closure: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+    return (
+        "<h2>How far the gap closes</h2><p>The simulator was run again with the causes in it and held "
+        f"against data that the fit had not seen ({escape(closure['held_out'])}). A wrong effect, fitted "
+        f"just as hard, should close nothing.</p>{drawn['closure.svg']}"
+        f"<p>In numbers: {closure['before']:.1f} before, {closure['after']:.1f} after, "
+        f"{closure['expected_if_closed']:.1f} expected if nothing were left "
+        f'<span class="quiet">({escape(closure["measure"])})</span>.</p>'
+    )
+
+
+def _remains(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+    left = d["remainder"]
+    text = "<h2>What remains</h2>"
+    if not left["significant"]:
+        return text + "<p>Nothing beyond noise and stated uncertainties.</p>"
+    text += "<p>Something that the causes do not explain. It shows here:</p>"
+    rows = [
+        [escape(place(p)), _STAGES[p["stage"]], f"{p['sigma']:.1f}"] for p in (left["where"] or d["where"])
+    ]
+    text += table(("where", "how", "sigma"), rows)
+    if "left-gyros.svg" in drawn:
+        text += "<p>The blue lines of above, each at its own scale:</p>" + drawn["left-gyros.svg"]
+    return text
+
+
+def _next_run(n: Mapping[str, Any]) -> str:
+    step = n["table"]["profile"][0]
+    motion = "standing still" if step["rate_deg_s"] == 0 else f"{step['rate_deg_s']:g} deg/s"
+    rows = [
+        ["table", f"axis {escape(str(n['table']['axis']))}, {motion}, {step['duration_s']:g} s"],
+        ["orientation", escape(", ".join(f"{a} {way}" for a, way in n["orientation"].items()))],
+    ]
+    if "temperature" in n:
+        steps = ", then ".join(f"{t['sensor_degC']:g} degC at {t['time_s']:g} s" for t in n["temperature"])
+        rows.append(["sensor temperature", steps])
+    rows.append(["tells apart", "<br>".join(escape(name) for name in n["separates"])])
+    rows.append(["by", f"{n['expected_sigma']:.1f} sigma or more"])
+    if n.get("leaves"):
+        rows.append(["leaves open", "<br>".join(escape(name) for name in n["leaves"])])
+    text = "<h2>What to run next</h2>" + table(("", ""), rows)
+    if "verified" in n:
+        text += _verified(n["verified"])
+    return text
+
+
+def _verified(found: Mapping[str, Any]) -> str:
+    rows = [
+        [
+            escape(t["truth"]),
+            escape(", ".join(t["causes"]) or t["verdict"].replace("_", " ")),
+            percent(t["probability"]),
+            "yes" if t["separated"] else "no",
+        ]
+        for t in found["truths"]
+    ]
+    return (
+        "<p>That run was simulated, with each of these in turn as the truth, and diagnosed together with "
+        "today's captures:</p>"
+        + table(("if it is", "the diagnosis then says", "probability of the truth", "told apart"), rows)
+    )
+
+
+def _left_out(diagnosis: Diagnosis) -> str:
+    """What cannot be said of this campaign, and why; where the files are."""
+    facts, said = diagnosis.data.inputs[0].facts, []
+    if facts.projection is None:
+        many = "s" if facts.n_gyros > 1 else ""
+        said.append(f"A unit of {facts.n_gyros} gyro{many} has no x, y and z: they are left out.")
+    if facts.n_gyros <= 3:
+        said.append(
+            "With no more than three gyros nothing tells a true rotation from what gyros do by themselves, "
+            "but the way it changes from run to run."
+        )
+    if any(one.scene.temperature is None for one in diagnosis.data.inputs):
+        said.append("Not every run has a temperature log: effects of temperature are not looked for.")
+    if max((run.pieces for run in diagnosis.data.full), default=0) == 0:
+        said.append("Too few samples for a spectrum: noise levels, lines and filters are not looked for.")
+    if diagnosis.document["causes"]:
+        said.append("simulator.yaml beside this page puts the causes into the simulator.")
+    return "".join(f'<p class="quiet">{escape(line)}</p>' for line in said)
