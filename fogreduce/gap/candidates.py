@@ -51,6 +51,7 @@ WIDTHS_DEG_H = np.geomspace(0.05, 250.0, 56)
 DELAYS_S = (0.02, 0.05, 0.15, 0.4, 1.0, 2.0, 3.0)
 HARMONICS = (1, 2, 3, 4, 5, 6, 8, 9, 10, 12, 18, 24, 36)
 _TAUS = 12
+_FEW_PAIRS = 9
 _CLIPS = np.linspace(0.5, 0.98, 9)
 
 
@@ -128,6 +129,10 @@ def pairs(x: Array, y: Array) -> Array:
     if j == 1:
         return (x[:, 0].T @ y[:, 0])[None]
     out = np.empty((j, k, columns))
+    if k * columns > _FEW_PAIRS:
+        for point in range(j):
+            out[point] = x[:, point].T @ y[:, point]
+        return out
     for a in range(k):
         for b in range(columns):
             np.einsum("mj,mj->j", x[:, :, a], y[:, :, b], out=out[:, a, b])

@@ -28,6 +28,7 @@ _BINS = 8.0  # a standard deviation of the noise
 _MOST_BINS = 20_000
 _WAVES = np.arange(0.45, 3.6, 0.05)  # kappa sigma
 _FINE = 6000
+_STRETCH = 200  # neighbouring kappa whose waves are made from one
 _NOT_NOISE = 1.1
 
 
@@ -53,6 +54,16 @@ class Codes:
         wave = np.exp(1j * np.outer(kappa, self.volts))
         total = wave @ (self.noise / self.sigma**2) - 1j * kappa * (wave @ self.number)
         return np.asarray(total * np.sqrt(2.0 / self.information(kappa)))
+
+    def scores(self, first: float, step: float, count: int) -> NDArray[np.complex128]:
+        """`score` at evenly spaced kappa; a wave is that of its stretch's start turned on by some steps."""
+        stretches = -(-count // _STRETCH)
+        turned = np.exp(1j * np.outer(np.arange(_STRETCH) * step, self.volts))
+        starts = np.exp(1j * np.outer(first + np.arange(stretches) * (_STRETCH * step), self.volts))
+        noise = (turned @ (starts * (self.noise / self.sigma**2)).T).T.ravel()[:count]
+        number = (turned @ (starts * self.number).T).T.ravel()[:count]
+        kappa: Array = first + np.arange(count, dtype=np.float64) * step
+        return np.asarray((noise - 1j * kappa * number) * np.sqrt(2.0 / self.information(kappa)))
 
     def information(self, kappa: Array) -> Array:
         """Variance of S, both parts: also twice the information on A."""
@@ -154,10 +165,9 @@ def _refined(here: Sequence[Codes], kappa: float, step: float) -> dict[str, tupl
     size = np.zeros(_FINE)
     information = np.zeros(_FINE)
     for c in here:
-        for k in range(0, _FINE, 500):
-            part = fine[k : k + 500]
-            size[k : k + 500] += c.score(part).imag * np.sqrt(c.information(part) / 2.0)
-            information[k : k + 500] += c.information(part) / 2.0
+        scores = c.scores(float(fine[0]), float(fine[1] - fine[0]), _FINE)
+        size += scores.imag * np.sqrt(c.information(fine) / 2.0)
+        information += c.information(fine) / 2.0
     k = int(np.argmax(np.abs(size) / np.sqrt(information)))
     volts, error = float(size[k] / information[k]), float(1.0 / np.sqrt(information[k]))
     snr = max(abs(volts) / error, 1.0)

@@ -77,6 +77,27 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class Points:
+    """What each point of a grid comes to: ln B (J,), q (J,), coefficients (J, k), covariance (J, k, k)."""
+
+    logs: Array
+    q: Array
+    coefficients: Array
+    covariance: Array
+
+    def one(self, candidate: Candidate, point: int) -> Fit:
+        """A point as the fit of a candidate that has no other."""
+        return Fit(
+            candidate,
+            float(self.logs[point]),
+            0,
+            float(self.q[point]),
+            self.coefficients[point],
+            self.covariance[point],
+        )
+
+
+@dataclass(frozen=True)
 class Field:
     """A whitened residual and the metric in which it counts, with its products ready."""
 
@@ -105,9 +126,9 @@ class Field:
 
     def fit(self, candidate: Candidate) -> Fit:
         """Evidence and best coefficients of a candidate."""
-        b, gram = self.products(candidate)
-        k = b.shape[1]
+        k = candidate.columns.shape[2]
         if candidate.fixed:
+            b, gram = self.products(candidate)
             gain = b[:, 0] - 0.5 * gram[:, 0, 0]
             best = int(np.argmax(gain))
             return Fit(
@@ -118,15 +139,29 @@ class Field:
                 np.ones(1),
                 np.zeros((1, 1)),
             )
+        points = self.points(candidate)
+        logs = points.logs
+        if candidate.positive and k == 1:
+            sign = np.sign(points.coefficients[:, 0] * candidate.steps[:, 0])
+            logs = logs + np.log(2.0) + [log_normal_tail(float(x)) for x in sign * np.sqrt(points.q)]
+        best = int(np.argmax(logs))
+        return Fit(
+            candidate,
+            float(log_mean_exp(logs)),
+            best,
+            float(points.q[best]),
+            points.coefficients[best],
+            points.covariance[best],
+        )
+
+    def points(self, candidate: Candidate) -> Points:
+        """Evidence and best coefficients at every point of a candidate's grid, either sign allowed."""
+        b, gram = self.products(candidate)
+        k = b.shape[1]
         # what is not seen at all must not be divided by
         floor = 1e-10 * np.diagonal(candidate.gram, axis1=1, axis2=2) + 1e-30
         gram = gram + floor[:, :, None] * np.eye(k)
-        inverse = 1.0 / gram if k == 1 else np.linalg.inv(gram)
+        inverse: Array = 1.0 / gram if k == 1 else np.asarray(np.linalg.inv(gram), np.float64)
         found = (inverse @ b[:, :, None])[:, :, 0]
         q = np.maximum(np.sum(b * found, axis=1), 0.0)
-        logs = log_bayes(q, k)
-        if candidate.positive and k == 1:
-            sign = np.sign(found[:, 0] * candidate.steps[:, 0])
-            logs = logs + np.log(2.0) + [log_normal_tail(float(x)) for x in sign * np.sqrt(q)]
-        best = int(np.argmax(logs))
-        return Fit(candidate, float(log_mean_exp(logs)), best, float(q[best]), found[best], inverse[best])
+        return Points(log_bayes(q, k), q, found, inverse)

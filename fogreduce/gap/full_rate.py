@@ -177,17 +177,20 @@ def _lines(filled: Array, rate_hz: float) -> tuple[Array, NDArray[np.complex128]
     whole = size // second * second
     if whole == 0:
         return np.zeros(0), np.zeros((n, 0), complex)
-    cut = filled[:, :whole].reshape(n, -1, second)
     t = np.arange(second) - (second - 1) / 2.0
-    cut = cut - cut.mean(axis=2, keepdims=True)
-    cut = cut - (cut @ t / (t @ t))[..., None] * t
-    strength = np.mean(cut**2, axis=2)
-    cut[strength > 4.0 * np.median(strength, axis=1, keepdims=True)] = 0.0
-    cut = cut.reshape(n, whole)
     frequency = np.asarray(np.fft.rfftfreq(padded, 1.0 / rate_hz), np.float64)
-    keep = (frequency >= 2.0 * LEAST_LINE_HZ) & (frequency <= 0.49 * rate_hz)
-    lines = np.fft.rfft(cut, padded, axis=1)[:, keep] * np.sqrt(2.0 / whole)
-    return frequency[keep], lines
+    # the lines that are kept lie side by side
+    low = int(np.searchsorted(frequency, 2.0 * LEAST_LINE_HZ, side="left"))
+    high = int(np.searchsorted(frequency, 0.49 * rate_hz, side="right"))
+    lines = np.empty((n, high - low), complex)
+    for row, values in zip(lines, filled, strict=True):
+        cut = values[:whole].reshape(-1, second).copy()
+        cut -= cut.mean(axis=1, keepdims=True)
+        cut -= (cut @ t / (t @ t))[:, None] * t
+        strength = np.mean(cut**2, axis=1)
+        cut[strength > 4.0 * np.median(strength)] = 0.0
+        np.multiply(np.fft.rfft(cut.reshape(whole), padded)[low:high], np.sqrt(2.0 / whole), out=row)
+    return frequency[low:high], lines
 
 
 def _repeats(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -197,10 +200,13 @@ def _repeats(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> tuple[Array,
 
 
 def _ends(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> Array:
-    usable = good & (counts != MISSING_COUNT)
     ends = np.empty((len(counts), MOST_BITS + 1))
-    for m in range(MOST_BITS + 1):
-        ends[:, m] = (usable & ((counts & ((1 << m) - 1)) == 0)).sum(axis=1)
+    for row, here, there in zip(ends, counts, good, strict=True):
+        left = here[there & (here != MISSING_COUNT)]
+        for m in range(MOST_BITS + 1):
+            # those that end in m zeros are among those that end in fewer
+            left = left[(left & ((1 << m) - 1)) == 0]
+            row[m] = left.size
     return ends
 
 

@@ -150,6 +150,7 @@ def whitener(
     sizes: Sequence[Array],
     level: Array,
     further: Mapping[tuple[str, int], float] | None = None,
+    known: dict[tuple[object, ...], Array] | None = None,
 ) -> Whitener:
     """Filters for every gyro and run.
 
@@ -162,11 +163,13 @@ def whitener(
         White noise as found over that of the record.
     further : mapping
         (``flicker`` or ``walk``, gyro) -> size of a further process.
+    known : dict
+        Filters made before for the same runs and level, to which new ones are added.
     """
     noise, stated = inputs[0].record.stated_noise, inputs[0].record.stated_uncertainty
     n = inputs[0].facts.n_gyros
     filters: dict[tuple[int, int], Array] = {}
-    known: dict[tuple[object, ...], Array] = {}
+    known = {} if known is None else known
     for r, one in enumerate(inputs):
         blocks, rate = one.scene.blocks, one.facts.sample_rate_hz
         for i in range(n):
@@ -175,7 +178,8 @@ def whitener(
             usual = blocks.length_s * rate
             near = bool(full > 0) and bool(np.all((sizes[r][i] > 0.9 * usual) | (sizes[r][i] == 0.0)))
             # runs whose blocks are whole in the same places have one filter
-            key = (*key, (sizes[r][i] > 0.0).tobytes() if near else r)
+            key = (*key, (sizes[r][i] > 0.0).tobytes() if near else (r, sizes[r][i].tobytes()))
+            key = (*key, *sorted((kind, size) for (kind, at), size in (further or {}).items() if at == i))
             if key not in known:
                 terms = (
                     noise.angle_random_walk_deg_sqrt_h[i] * level[i],

@@ -36,12 +36,32 @@ _STEADY = 0.02  # spread of a reading, relative to the largest, that counts as n
 _LOWEST, _HIGHEST, _STEPS = 1.5, 3000.0, 40
 
 
-class Processes:
-    """Eigenvectors of every process at every gyro; they hold for any residual under the same whitener."""
+#: Eigenvectors, their variances, and the filter under which they hold.
+Eigen = tuple[Array, Array, Array]
 
-    def __init__(self, inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array]) -> None:
+
+class Processes:
+    """Eigenvectors of every process at every gyro; they hold for any residual under the same whitener.
+
+    Parameters
+    ----------
+    inputs : runs
+    whiten : Whitener
+    plain : (n, blocks) arrays
+        Predicted readings in each run's blocks [deg/h].
+    known : dict
+        Eigenvectors found before, to which new ones are added.
+    """
+
+    def __init__(
+        self,
+        inputs: Sequence[RunInput],
+        whiten: Whitener,
+        plain: Sequence[Array],
+        known: dict[tuple[object, ...], Eigen] | None = None,
+    ) -> None:
         self.inputs, self.whiten = inputs, whiten
-        self._known: dict[tuple[object, ...], tuple[Array, Array]] = {}
+        self._known = {} if known is None else known
         largest = np.max([np.abs(p).max(axis=1) for p in plain], axis=0)
         self._reading = [p / np.maximum(largest, 1e-300)[:, None] for p in plain]
         self._turns = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
@@ -148,7 +168,7 @@ class Processes:
         self, i: int, r: int, blocks: Blocks, kind: str, factor: Array | None = None
     ) -> tuple[Array, Array]:
         matrix = self.whiten.filters[i, r]
-        key = (id(matrix), kind, None if factor is None else r)
+        key = (id(matrix), kind, None if factor is None else factor.tobytes())
         if key not in self._known:
             covariance = _covariance(kind, blocks)
             if factor is not None:
@@ -161,8 +181,8 @@ class Processes:
             white += np.outer(constant, constant) * float(constant @ part)
             values, vectors = np.linalg.eigh(white)
             some = values > 1e-6 * values[-1]
-            self._known[key] = (vectors[:, some], values[some])
-        return self._known[key]
+            self._known[key] = (vectors[:, some], values[some], matrix)
+        return self._known[key][:2]
 
 
 def _unknown(name: tuple[str, ...], log_b: float, gain: float, share: float) -> Finding:

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.gap.bundles import Bundles
 from fogreduce.gap.candidates import Builder, Candidate
 from fogreduce.gap.causes import Cause
 from fogreduce.gap.data import Data
@@ -23,7 +24,7 @@ from fogreduce.gap.fast import Fast
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.fitted import Model, modelled, refined
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
-from fogreduce.gap.processes import CATALOGUED, Processes
+from fogreduce.gap.processes import CATALOGUED, Eigen, Processes
 
 Array = NDArray[np.float64]
 
@@ -104,8 +105,8 @@ class Ground:
     metric: Metric
     y: Array
     nominal: Array
-    candidates: list[Candidate]
-    families: list[Candidate]
+    candidates: Bundles
+    families: Bundles
     processes: Processes
     base: frozenset[Key] = frozenset()
 
@@ -162,6 +163,8 @@ class Search:
     allowed: frozenset[str]
     fast: Fast = field(init=False)
     ground: Ground = field(init=False)
+    _filters: dict[tuple[object, ...], Array] = field(init=False, default_factory=dict, repr=False)
+    _eigen: dict[tuple[object, ...], Eigen] = field(init=False, default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         self.fast = Fast(self.data, self.allowed)
@@ -172,7 +175,7 @@ class Search:
     def _ground(self, base: Sequence[Cause]) -> Ground:
         """Whitened residual and candidates, built about a chain with causes in it; processes whiten."""
         data = self.data
-        whiten = whitener(data.inputs, data.sizes, self.fast.level, _processes(base))
+        whiten = whitener(data.inputs, data.sizes, self.fast.level, _processes(base), self._filters)
         slow = [c for c in base if c.slow]
         actions = [c.action(data.run_ids, data.n) for c in slow]
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
@@ -184,9 +187,9 @@ class Search:
             metric,
             y,
             nominal,
-            builder.all(),
-            families(data.inputs, whiten, builder.plain, self.allowed),
-            Processes(data.inputs, whiten, builder.plain),
+            Bundles(builder.all()),
+            Bundles(families(data.inputs, whiten, builder.plain, self.allowed)),
+            Processes(data.inputs, whiten, builder.plain, self._eigen),
             frozenset(c.key for c in slow),
         )
 
@@ -212,11 +215,10 @@ class Search:
         """Everything that may be added to a set of causes, catalogue and unknown."""
         out: list[Option] = []
         taken = {c.key for c in state.causes}
-        for candidate in [*state.ground.candidates, *state.ground.families]:
-            if candidate.key in taken and candidate.known:
-                continue
-            fit = state.field.fit(candidate)
-            out.append(self._slow_option(fit, state))
+        for bundles in (state.ground.candidates, state.ground.families):
+            for fit in bundles.fits(state.field):
+                if not (fit.candidate.known and fit.candidate.key in taken):
+                    out.append(self._slow_option(fit, state))
         left = state.field.metric.without(state.field.y)
         findings = [*self.fast.findings(state.causes), *state.ground.processes.findings(left, self.allowed)]
         slow_low_pass = {

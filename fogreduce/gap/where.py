@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fogreduce.gap.bundles import Bundles
 from fogreduce.gap.candidates import Candidate
 from fogreduce.gap.evidence import Field
 from fogreduce.gap.findings import Finding
@@ -57,7 +58,7 @@ def significance(q: float, k: int, trials: float = _TRIALS) -> float:
 
 def places(
     field: Field,
-    families: Sequence[Candidate],
+    families: Bundles,
     findings: Iterable[Finding],
     run_ids: Sequence[str],
     doubt: float = 0.0,
@@ -94,8 +95,8 @@ def places(
     here = field
     for _ in range(_MOST):
         top: Place | None = None
-        for family in families:
-            fit = here.fit(family)
+        for fit in families.fits(here):
+            family = fit.candidate
             k = family.columns.shape[2]
             q = max(np.sqrt(fit.q) - doubt, 0.0) ** 2
             sigma = significance(q, k, _TRIALS * family.columns.shape[1])
