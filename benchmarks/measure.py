@@ -28,13 +28,15 @@ COMMAND = str(Path(sys.executable).with_name("fogreduce"))
 class Measured:
     """One process from its start to its end: wall and processor time [s] and largest resident memory [MB].
 
-    Processor time is that of the process and of those that it started and waited for. The memory is never
+    Processor time is that of the process and of those that it started and waited for; `user_s` is the part
+    of it spent outside the system's kernel, which is the least disturbed by other work. The memory is never
     less than what the calling process held when it started the other: callers stay small.
     """
 
     wall_s: float
     cpu_s: float
     peak_mb: float
+    user_s: float
 
 
 def run(command: Sequence[object]) -> Measured:
@@ -46,7 +48,7 @@ def run(command: Sequence[object]) -> Measured:
     wall = time.perf_counter() - began
     if status:
         raise RuntimeError(f"{' '.join(words)} ended with status {os.waitstatus_to_exitcode(status)}")
-    return Measured(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+    return Measured(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, usage.ru_utime)
 
 
 def reduce(run_dir: Path, out: Path, *more: str) -> Measured:
@@ -110,8 +112,11 @@ def published_run(work: Path) -> Path:
     return campaign / "runs" / "x-one-turn"
 
 
-def long_run(work: Path, duration_s: float) -> Path:
-    """A run of the bundled unit at 0.06 deg/s for some time, with nominal noise; made unless it is there."""
+def long_run(work: Path, duration_s: float, taken: list[Measured] | None = None) -> Path:
+    """A run of the bundled unit at 0.06 deg/s for some time, with nominal noise; made unless it is there.
+
+    What making it took is appended to `taken`.
+    """
     made = work / f"long-{duration_s:g}"
     if not made.exists():
         plan = work / f"plan-{duration_s:g}" / "runs" / "long"
@@ -119,7 +124,9 @@ def long_run(work: Path, duration_s: float) -> Path:
         data = load_yaml(REPOSITORY / "campaigns" / "published" / "runs" / "x-one-turn" / "run.yaml")
         table = {"axis": "x", "profile": [{"rate_deg_s": 0.06, "duration_s": float(duration_s)}]}
         (plan / "run.yaml").write_text(dump_yaml({**data, "run_id": "long", "table": table}))
-        run([COMMAND, "simulate", plan.parents[1], "--calibrations", CALIBRATIONS, "--out", made])
+        made_in = run([COMMAND, "simulate", plan.parents[1], "--calibrations", CALIBRATIONS, "--out", made])
+        if taken is not None:
+            taken.append(made_in)
     return made / "runs" / "long"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,9 @@ from fogreduce.errors import BadInput
 VERSIONS = "versions"
 #: What lies in a run's folder and is not a result: it differs each time.
 _ASIDE = ("logs", "benchmarks", VERSIONS)
+
+
+Told = Callable[[int], None]
 
 
 def result_files(folder: Path) -> Iterator[str]:
@@ -41,14 +44,20 @@ def _files(path: Path, folder: Path) -> Iterator[str]:
         raise BadInput.at(path, "", found="neither a file nor a folder", expected="a file of the results")
 
 
-def checksums(folder: Path) -> dict[str, Any]:
-    """The content of outputs.json for a run's results folder, as its files are now."""
+def checksums(folder: Path, told: Told = lambda done: None) -> dict[str, Any]:
+    """The content of outputs.json for a run's results folder, as its files are now; `told` hears of bytes."""
     manifest = read_manifest(folder)
     _complete(folder, manifest)
-    files = []
+    files, done = [], 0
+
+    def read(count: int) -> None:
+        nonlocal done
+        done += count
+        told(done)
+
     for name in result_files(folder):
         path = folder / name
-        files.append({"name": name, "bytes": path.stat().st_size, "sha256": file_digest(path)})
+        files.append({"name": name, "bytes": path.stat().st_size, "sha256": file_digest(path, read)})
     return {
         "schema": OUTPUTS_SCHEMA,
         "version_id": manifest.version_id,
@@ -71,11 +80,16 @@ def _complete(folder: Path, manifest: Manifest) -> None:
             raise BadInput.at(path, "version_id", found=found, expected=expected)
 
 
-def write_checksums(folder: Path) -> dict[str, Any]:
-    """Write outputs.json; its content."""
+def results_bytes(folder: Path) -> int:
+    """Size of a run's results; 0 where there is no such folder."""
+    return sum((folder / name).stat().st_size for name in result_files(folder)) if folder.is_dir() else 0
+
+
+def write_checksums(folder: Path, told: Told = lambda done: None) -> dict[str, Any]:
+    """Write outputs.json; its content. `told` hears how many of the `results_bytes` are read."""
     if not folder.is_dir():
         raise BadInput.at(folder, "", found="no such folder", expected="a run's results")
-    data = checksums(folder)
+    data = checksums(folder, told)
     write_text(folder / OUTPUTS, json.dumps(data, indent=1, allow_nan=False) + "\n")
     return data
 

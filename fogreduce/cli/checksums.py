@@ -16,10 +16,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write outputs.json, then keep the version beside older ones."""
-    from fogreduce.archive.outputs import write_checksums
+    from fogreduce.archive.outputs import results_bytes, write_checksums
     from fogreduce.archive.versions import keep
+    from fogreduce.cli.progress import progress
 
-    data = write_checksums(arguments.results)
+    with progress(results_bytes(arguments.results), "bytes") as told:
+        data = write_checksums(arguments.results, told)
     print(f"{len(data['files'])} files, version {data['version_id']}")
     if not arguments.no_keep:
         print(f"kept as {keep(arguments.results, data).folder}")

@@ -24,7 +24,8 @@ def progress(total: int, unit: str) -> Iterator[Callable[[int], None]]:
                 return
             from tqdm import tqdm
 
-            bar = tqdm(total=total, unit=f" {unit}", unit_scale=True, leave=False)
+            # What was done before it appeared is left out of the speed, so that the time left is right.
+            bar = tqdm(total=total, initial=done, unit=f" {unit}", unit_scale=True, leave=False)
         bar.update(done - bar.n)
 
     try:

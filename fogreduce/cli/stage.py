@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the stage."""
+    from fogreduce.cli.progress import progress
     from fogreduce.errors import BadInput
     from fogreduce.stages import run as stages
     from fogreduce.stages.setup import Setup
@@ -36,5 +37,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.stage == "ingest" and arguments.run is None:
         raise BadInput.at("--run", "", found="nothing", expected="the run's folder")
     given = (arguments.run,) if arguments.stage in _READ_RUN else ()
-    stages.STAGES[arguments.stage](setup, *given)
+    with progress(setup.facts.n_expected, "records") as told:
+        stages.STAGES[arguments.stage](setup, *given, progress=told)
     return 0

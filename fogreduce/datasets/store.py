@@ -205,7 +205,8 @@ class _NotingFile(io.FileIO):
 class _PlacedWriter:
     """Writes arrays at given offsets of a file, in a thread (the system call lets the arithmetic go on)."""
 
-    _MOST_WAITING = 64
+    #: Pieces of at most a block's row: few, so that memory is the same whether the disk is quick or slow.
+    _MOST_WAITING = 16
 
     def __init__(self, file: TemporaryFile) -> None:
         self._target = file.target

@@ -49,7 +49,11 @@ Progress = Callable[[int], None]
 _BLOCKS_AHEAD = 2
 
 
-def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records: None) -> None:
+def _silent(records: int) -> None:
+    """Progress that nobody wants to see."""
+
+
+def reduce_run(setup: Setup, run_dir: Path, progress: Progress = _silent) -> None:
     """All stages in one pass over the capture; `progress` is told how many records are done."""
     facts = setup.facts
     reader = _open_capture(setup, run_dir)
@@ -82,17 +86,18 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = lambda records:
     run_drift(setup)
 
 
-def run_ingest(setup: Setup, run_dir: Path) -> None:
+def run_ingest(setup: Setup, run_dir: Path, progress: Progress = _silent) -> None:
     """Stage 1: the capture's records, judged and flagged."""
     reader = _open_capture(setup, run_dir)
     ingest = Ingest(setup.facts, setup.parameters["outliers"]["threshold_sigma"])
     with _ingest_writer(setup, run_dir, reader) as writer:
         for block in ingest.blocks(reader, setup.block_records):
             write_ingest(writer, block)
+            progress(block.start + block.time_us.size)
     _finish_ingest(setup, run_dir, ingest, reader)
 
 
-def run_calibrate(setup: Setup) -> None:
+def run_calibrate(setup: Setup, progress: Progress = _silent) -> None:
     """Stage 2: raw volts to rates about the gyros' axes."""
     with (
         StageDataset(setup, "ingest") as source,
@@ -100,9 +105,10 @@ def run_calibrate(setup: Setup) -> None:
     ):
         for block in _ingested(setup, source):
             write_gyro_rates(writer, block, calibrate(setup.facts, block.volts))
+            progress(block.start + block.time_us.size)
 
 
-def run_project(setup: Setup) -> None:
+def run_project(setup: Setup, progress: Progress = _silent) -> None:
     """Stage 3: rates about the gyros' axes to rates about x, y, z."""
     with (
         StageDataset(setup, "calibrate") as source,
@@ -111,9 +117,10 @@ def run_project(setup: Setup) -> None:
         for start, part in source.blocks(("time", "gyro_rate", "flag")):
             rates = project(setup.facts, part["gyro_rate"]) if setup.axes else None
             write_axis_rates(writer, start, part["time"], part["flag"], rates)
+            progress(start + part["time"].size)
 
 
-def run_remove_earth(setup: Setup, run_dir: Path | None = None) -> None:
+def run_remove_earth(setup: Setup, run_dir: Path | None = None, progress: Progress = _silent) -> None:
     """Stage 4: Earth's rate taken away; `run_dir` is read only where alpha comes from the encoder."""
     angle = TableAngle(setup, run_dir)
     with (
@@ -126,9 +133,10 @@ def run_remove_earth(setup: Setup, run_dir: Path | None = None) -> None:
             if setup.axes:
                 rates = remove_earth(setup.facts, angle, seconds(part["time"]), part["axis_rate"])
             write_axis_rates(writer, start, part["time"], part["flag"], rates)
+            progress(start + part["time"].size)
 
 
-def run_fit(setup: Setup) -> None:
+def run_fit(setup: Setup, progress: Progress = _silent) -> None:
     """Stage 5: mean curves, bins, unstable intervals."""
     with StageDataset(setup, "ingest") as source, StageDataset(setup, "remove_earth") as reduced:
         fit = fit_of(setup, source.n_records)
@@ -139,11 +147,12 @@ def run_fit(setup: Setup) -> None:
         )
         for block, rates in zip(_ingested(setup, source), rates_by_block, strict=False):
             fit.add(seconds(block.time_us), block.flag, block.gyro_flag, block.volts, rates)
+            progress(block.start + block.time_us.size)
     _finish_fit(setup, fit)
 
 
-def run_drift(setup: Setup) -> None:
-    """Stage 6: the paper's offset rule and the integration."""
+def run_drift(setup: Setup, progress: Progress = _silent) -> None:
+    """Stage 6: the paper's offset rule and the integration; over at once, whatever the record's length."""
     fits = read_report(setup, "fit")
     rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
     tables.write_table(setup.table("drift"), drift_stage.DRIFT_COLUMNS, rows)
