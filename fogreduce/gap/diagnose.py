@@ -78,7 +78,8 @@ def diagnose(
     findings = [f for f in search.fast.findings([])]
     left = y0.field.metric.without(y0.field.y)
     findings += list(nothing.processes.findings(left, allowed))
-    found = where.places(y0.field, nothing.families, findings, data.run_ids)
+    seats = [*nothing.families, *where.gross(y0.field, nothing.candidates)]
+    found = where.places(y0.field, seats, findings, data.run_ids)
     if verdict.word != "no_gap" and not found:
         found = [_faint(verdict, data)]
     closure = None

@@ -106,7 +106,9 @@ class Fast:
     def findings(self, causes: Sequence[Cause]) -> list[Finding]:
         """What may be added to the causes."""
         mine = [c.finding for c in causes if c.finding is not None]
+        # a column that holds another gyro has that one's noise; a clipped one repeats its limit
         moved = {name for c in causes if c.effect == "channel_swap" for name in (*c.channels, c.key[3])}
+        moved |= {name for c in causes if c.effect == "saturation" for name in c.channels}
         # beside a wrong sense or wiring the departures that codes are held against are no noise
         wired = any(c.effect in _WIRING for c in causes)
         key = repr((wired, sorted(moved))) + repr(
@@ -114,7 +116,6 @@ class Fast:
         )
         if key not in self._cache:
             self._cache[key] = [
-                # a column that holds another gyro has that one's noise
                 f
                 for f in self._found(mine)
                 if not (f.domain in ("level", "repeats") and moved & set(f.channels))

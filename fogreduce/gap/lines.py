@@ -16,7 +16,7 @@ from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
-from fogreduce.gap.full_rate import FullRate
+from fogreduce.gap.full_rate import LEAST_LINE_HZ, FullRate
 from fogreduce.gap.line_evidence import best_of, leading, sizes_log
 from fogreduce.gap.mixing import unknown_lines
 from fogreduce.metadata.facts import RunFacts
@@ -86,9 +86,11 @@ def line_findings(
             np.sqrt(max(np.mean(moduli[best] ** 2) - 2.0, 0.1)) * white[i] * np.sqrt(2.0 / samples)
         )
         std = float(white[i] * np.sqrt(2.0 / samples / len(heard)))
+        peak = _peak_hz(hz, power[i], k)
+        kept = _kept(peak, float(hz[k]), duration, facts.sample_rate_hz)
         parameters = {
-            "deg_h": (amplitude, std),
-            "frequency_hz": (_peak_hz(hz, power[i], k), _hz_std(duration, top)),
+            "deg_h": (amplitude / kept, std / kept),
+            "frequency_hz": (peak, _hz_std(duration, top)),
         }
         effect = "periodic_interference" if "periodic_interference" in allowed else "unknown"
         out.append(
@@ -125,6 +127,19 @@ def line_findings(
             )
     out += _motion(usable, hz, free, count, facts, white, allowed, samples)
     return out
+
+
+def _kept(peak_hz: float, line_hz: float, duration_s: float, rate_hz: float) -> float:
+    """Share of a line's amplitude that its nearest line of the spectrum shows.
+
+    Some falls between lines; some went with the straight line that was taken off each short piece.
+    """
+    piece = max(int(rate_hz / LEAST_LINE_HZ), 2) / rate_hz
+    x = np.pi * peak_hz * piece
+    mean = np.sin(x) / x
+    slope = (mean - np.cos(x)) / x
+    kept = np.sinc((peak_hz - line_hz) * duration_s) * (1.0 - mean**2 - 3.0 * slope**2)
+    return float(max(kept, 0.5))
 
 
 def _hz_std(duration_s: float, gain: float) -> float:
@@ -183,10 +198,12 @@ def _motion(
     size = float(np.sqrt(max(np.mean(moduli[k] ** 2) - 2.0, 0.1)) * np.sqrt(2.0 / samples))
     length = float(np.linalg.norm(rate))
     axis = [round(float(v), 6) for v in (rate / length).tolist()] if len(rate) == 3 else [1.0, 0.0, 0.0]
+    peak = _peak_hz(hz, power, at)
+    length = length / _kept(peak, float(hz[at]), duration, facts.sample_rate_hz)
     std = float(length * np.sqrt(2.0 / samples / len(runs)))
     parameters = {
         "deg_h": (size * length, std),
-        "frequency_hz": (_peak_hz(hz, power, at), _hz_std(duration, float(top[k]))),
+        "frequency_hz": (peak, _hz_std(duration, float(top[k]))),
         "axis": (axis, None),
     }
     effect = "base_motion" if "base_motion" in allowed else "unknown"

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 #: Chance that a healthy link loses or spoils a sample. The contract does not state it.
 HEALTHY_FAULT = 1e-6
 _FRACTIONS = np.geomspace(1e-6, 0.5, 41)
+_DOUBLE = 0.1  # prior of an unknown cause of what an effect of the catalogue does
 _SPIKE_REACH = 2.0**30
 
 
@@ -74,7 +75,9 @@ def link_findings(
                 yield Finding(
                     effect, name, ("*",), log_b + extra, snr2, parameters, share, feature, "link", feature
                 )
-            yield Finding("unknown", name, ("*",), log_b, snr2, {}, share, feature, "link", feature)
+            # answers that are missing are just what dropouts are
+            other = share * (_DOUBLE if effect == "dropouts" and effect in allowed else 1.0)
+            yield Finding("unknown", name, ("*",), log_b, snr2, {}, other, feature, "link", feature)
         bits = zero_bits(runs, i)
         awake = [run for run in runs if not run.at_rest[i]]
         pairs = sum(float(run.pairs[i]) for run in awake)

@@ -14,6 +14,7 @@ from fogreduce.gap.search import LOG_FURTHER, LOG_GAP, Option, Search, State, St
 _RIVAL = 5.0
 _MOST_MANY, _MOST_ONE = 4, 8
 _MEAN_COSTS = 1.0
+_ROUNDABOUT = 3.0
 _LEAST = 0.1  # probability below which a cause beside something unknown is not named
 
 
@@ -78,7 +79,11 @@ def judged(search: Search) -> Verdict:
     # (step, its options less one cause, whether anything unknown beside it, ln score)
     ways = _ways(search, path)
     if any(c.effect in CATALOGUED for step in path for c in step.state.causes):
-        ways += _ways(search, search.run(processes=False))[1:]
+        # steps and drifts beside an unknown process are a roundabout way to a walk
+        ways += [
+            (step, something, score - _ROUNDABOUT * something)
+            for step, something, score in _ways(search, search.run(processes=False))[1:]
+        ]
     total = _log_sum([score for _, _, score in ways])
     unknown_probability = float(np.exp(_log_sum([s for _, something, s in ways if something]) - total))
     chosen = max((way for way in ways if way[1] == (unknown_probability >= 0.5)), key=lambda way: way[2])

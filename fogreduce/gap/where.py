@@ -22,6 +22,8 @@ from fogreduce.physics.special import log_chi2_tail, log_normal_tail, normal_dev
 _TRIALS = 300.0
 LEAST_SIGMA = 4.0
 _MOST = 6
+_GROSS = 150.0  # signal-to-noise ratio
+_GROSS_PLACES = {"channel_swap": "rate", "start_offset": "rate"}
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,7 @@ def places(
         for fit in families.fits(here):
             family = fit.candidate
             k = family.columns.shape[2]
-            q = max(np.sqrt(fit.q) - doubt, 0.0) ** 2
+            q = max(np.sqrt(max(fit.q, 0.0)) - doubt, 0.0) ** 2
             sigma = significance(q, k, _TRIALS * family.columns.shape[1])
             if top is None or sigma > top.sigma:
                 runs = tuple(run_ids) if family.runs == ("*",) else family.runs
@@ -117,6 +119,20 @@ def places(
         if not same or process.sigma > max(same):
             found.append(process)
     return sorted([*found, *others], key=lambda p: -p.sigma)
+
+
+def gross(field: Field, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Gross faults of wiring and timing as places: what no family of features takes in as one.
+
+    Two swapped columns look like a rotation and the rest of it, a late start like a little of everything.
+    """
+    out = []
+    for one in candidates:
+        if one.effect in _GROSS_PLACES and field.fit(one).q > _GROSS**2:
+            other = one.extra.get("with")
+            channels = (*one.channels, other) if other else one.channels
+            out.append(replace(one, channels=channels, known=False, feature=_GROSS_PLACES[one.effect]))
+    return out
 
 
 def _at(family: Candidate, best: int) -> Candidate:
