@@ -31,8 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         metavar="DIR",
         type=Path,
-        required=True,
-        help="folder for diagnosis.json and what stands beside it",
+        help="folder for diagnosis.json and what stands beside it; --detectable does without",
     )
     parser.add_argument(
         "--without", metavar="EFFECT", action="append", default=[], help="take an effect out of the catalogue"
@@ -52,12 +51,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="simulate the run that it proposes, with each rival as the truth, and diagnose again",
     )
+    parser.add_argument(
+        "--detectable",
+        action="store_true",
+        help="what the campaign would show of each effect and could not tell apart; needs no captures",
+    )
+    parser.add_argument(
+        "--probability",
+        metavar="P",
+        type=float,
+        default=0.95,
+        help="--detectable: with which an amplitude is to be seen (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--snr",
+        metavar="S",
+        type=float,
+        default=10.0,
+        help="--detectable: signal-to-noise ratio of what is to be told apart (default: %(default)s)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose; the verdict on standard output."""
     from fogreduce.cli.many import Own, campaign_folders, diagnose_each, read_each
 
+    if args.out is None and not args.detectable:
+        raise BadInput.at("--out", "", found="nothing", expected="a folder for the diagnosis")
+    if args.simulated is not None and (args.verify_next or args.detectable):
+        option = "--verify-next" if args.verify_next else "--detectable"
+        raise BadInput.at(
+            option, "", found="with --simulated", expected="our own simulator, which alone can do it"
+        )
     several = campaign_folders(args.campaign)
     campaigns = args.campaign if several is None else several
     if several is not None and args.simulated is not None:
@@ -68,8 +93,9 @@ def run(args: argparse.Namespace) -> int:
     def one(campaign: Path) -> None:
         name = campaign.resolve().name
         mine = own.get(name, Own())
-        out = args.out if several is None else args.out / name
-        _diagnose(campaign, out, (*args.without, *mine.without), mine.only_runs or only, args)
+        out = args.out if several is None or args.out is None else args.out / name
+        do = _detectable if args.detectable else _diagnose
+        do(campaign, out, (*args.without, *mine.without), mine.only_runs or only, args)
 
     if several is not None:
         return diagnose_each(several, one)
@@ -93,6 +119,19 @@ def _diagnose(
     print(f"{out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}", flush=True)
 
 
+def _detectable(
+    campaign: Path, out: Path | None, without: Sequence[str], only: Sequence[str], args: argparse.Namespace
+) -> None:
+    """What a planned campaign would show, on standard output, and into a folder where one is given."""
+    from fogreduce.gap.detectable import detectable
+    from fogreduce.gap.detectable_write import in_text, write_detectable
+
+    found = detectable(campaign, args.calibrations, args.probability, args.snr, without, only)
+    print(in_text(found), flush=True)
+    if out is not None:
+        write_detectable(found, out)
+
+
 def _verify_next(
     diagnosis: Diagnosis,
     campaign: Path,
@@ -103,10 +142,6 @@ def _verify_next(
     """Add to the document what the proposed run would bring."""
     from fogreduce.gap.verify_next import verified
 
-    if args.simulated is not None:
-        raise BadInput.at(
-            "--verify-next", "", found="with --simulated", expected="our own simulator, which alone can do it"
-        )
     found = verified(diagnosis, campaign, args.calibrations, without, only)
     if found is not None:
         diagnosis.document["next_run"]["verified"] = found

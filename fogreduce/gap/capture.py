@@ -65,7 +65,9 @@ class RunInput:
     folder: Path
 
 
-def read_inputs(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> list[RunInput]:
+def read_inputs(
+    campaign: Path, calibrations: Path, only: Sequence[str] = (), need_capture: bool = True
+) -> list[RunInput]:
     """Metadata of a campaign's runs, checked; BadInput with every fault.
 
     All runs must be of one unit and one calibration record: a gap is a statement about one unit.
@@ -81,7 +83,7 @@ def read_inputs(campaign: Path, calibrations: Path, only: Sequence[str] = ()) ->
         if only and folder.name not in only:
             continue
         try:
-            run = load_run(folder)
+            run = load_run(folder, need_capture=need_capture)
             record, _ = load_calibration(calibrations, run.calibration)
             cross_check(run, record, folder / "run.yaml")
             facts = facts_of(run, record)

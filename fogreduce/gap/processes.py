@@ -127,6 +127,17 @@ class Processes:
         background = Background.of(inverse @ inverse.T)
         return jumps_add(values, seen, self.inputs[0].scene.blocks.length_s, weights, background)
 
+    def spread(self, i: int, kind: str) -> tuple[Array, Array]:
+        """Variances of the process of unit size at gyro i in its eigenvectors; how many runs share each."""
+        alike: dict[int, tuple[Array, int]] = {}
+        for r, one in enumerate(self.inputs):
+            _, d = self._eigen(i, r, one.scene.blocks, kind)
+            alike[id(d)] = (d, alike.get(id(d), (d, 0))[1] + 1)
+        every = list(alike.values())
+        return np.concatenate([d for d, _ in every]), np.concatenate(
+            [np.full(len(d), float(k)) for d, k in every]
+        )
+
     def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
         """Ln B, best gain in ln likelihood, best size and its error."""
         # runs that share a filter share eigenvectors: (their variances, how many runs, sums of powers)
@@ -138,11 +149,7 @@ class Processes:
         d = np.concatenate([d for d, _ in alike.values()])
         runs = np.concatenate([np.full(len(d), float(len(p))) for d, p in alike.values()])
         z2 = np.concatenate([np.sum(p, axis=0) for _, p in alike.values()])
-        # sizes from where the process would hardly show to where it drowns everything
-        order = 1.0 / max(float(np.sqrt(np.sum(runs * d**2))), 1e-300)
-        a2 = order * np.geomspace(_LOWEST, _LOWEST * _HIGHEST, _STEPS)
-        grown = a2[:, None] * d
-        logs = 0.5 * ((grown / (1.0 + grown)) @ z2 - np.log1p(grown) @ runs)
+        a2, logs = size_logs(d, runs, z2)
         k = int(np.argmax(logs))
         size = float(np.sqrt(a2[k]))
         inside = min(max(k, 1), _STEPS - 2)
@@ -189,6 +196,26 @@ def _unknown(name: tuple[str, ...], log_b: float, gain: float, share: float) -> 
     return Finding(
         "unknown", name, ("*",), log_b, 2.0 * gain, {}, share, "process", "gyro", "low_frequency", 8
     )
+
+
+def size_logs(d: Array, runs: Array, z2: Array) -> tuple[Array, Array]:
+    """Squared sizes (sizes,) of a process, and ln B of each, (sizes, ...).
+
+    Parameters
+    ----------
+    d : (D,) array
+        Variances of the whitened process of unit size in its eigenvectors.
+    runs : (D,) array
+        How many runs share each.
+    z2 : (D, ...) array
+        Squared residuals there, summed over those runs.
+    """
+    # sizes from where the process would hardly show to where it drowns everything
+    order = 1.0 / max(float(np.sqrt(np.sum(runs * d**2))), 1e-300)
+    a2 = order * np.geomspace(_LOWEST, _LOWEST * _HIGHEST, _STEPS)
+    grown = a2[:, None] * d
+    none = (np.log1p(grown) @ runs).reshape(-1, *(1,) * (z2.ndim - 1))
+    return a2, np.asarray(0.5 * ((grown / (1.0 + grown)) @ z2 - none))
 
 
 def _covariance(kind: str, blocks: Blocks) -> Array:
