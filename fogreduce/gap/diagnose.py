@@ -12,6 +12,7 @@ import numpy as np
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
 from fogreduce.gap import design, where
+from fogreduce.gap.bundles import Bundles
 from fogreduce.gap.closure import Closure, measured
 from fogreduce.gap.data import Data, read_data
 from fogreduce.gap.search import Search
@@ -78,7 +79,8 @@ def diagnose(
     findings = [f for f in search.fast.findings([])]
     left = y0.field.metric.without(y0.field.y)
     findings += list(nothing.processes.findings(left, allowed))
-    seats = [*nothing.families, *where.gross(y0.field, nothing.candidates)]
+    faults = where.gross(y0.field, nothing.candidates)
+    seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
     found = where.places(y0.field, seats, findings, data.run_ids)
     if verdict.word != "no_gap" and not found:
         found = [_faint(verdict, data)]

@@ -121,7 +121,7 @@ def places(
     return sorted([*found, *others], key=lambda p: -p.sigma)
 
 
-def gross(field: Field, candidates: Sequence[Candidate]) -> list[Candidate]:
+def gross(field: Field, candidates: Iterable[Candidate]) -> list[Candidate]:
     """Gross faults of wiring and timing as places: what no family of features takes in as one.
 
     Two swapped columns look like a rotation and the rest of it, a late start like a little of everything.
