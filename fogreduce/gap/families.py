@@ -20,7 +20,7 @@ from fogreduce.gap.capture import RunInput
 from fogreduce.gap.families_table import of_table
 from fogreduce.gap.family import HARMONICS, family, lessened, modes, waves_of_angle
 from fogreduce.gap.noise_model import Whitener
-from fogreduce.gap.waveforms import after_effects, recoveries, sawteeth, steps
+from fogreduce.gap.waveforms import after_effects, memories, recoveries, sawteeth, steps
 
 Array = NDArray[np.float64]
 
@@ -81,6 +81,13 @@ def _of_gyros(
             plainly[key] = steps(matrix)
         return plainly[key]
 
+    def kernels(one: RunInput) -> Array:
+        blocks = one.scene.blocks
+        key = ("memories", blocks.count, blocks.length_s)
+        if key not in plainly:
+            plainly[key] = memories(blocks)
+        return plainly[key]
+
     for i in range(rows.n):
         name, here, share = (gyro_name(i),), rows.of(i), 1.0 / rows.n
 
@@ -129,7 +136,7 @@ def _of_gyros(
                     share=share * lessened(_POWERS[k], allowed),
                 )
             for past, weight in ((reading, 1.0), ([np.abs(m) for m in reading], 0.5)):
-                late = [after_effects(one.scene.blocks, m) for one, m in zip(inputs, past, strict=True)]
+                late = [after_effects(kernels(one), m) for one, m in zip(inputs, past, strict=True)]
                 columns = white([c[:, :, 0] for c in late])[:, :, None]
                 yield family(name, here, columns, "rate", "gyro", share=weight * share)
             waves = white([waves_of_angle(one, r) for one, r in zip(inputs, turning, strict=True)])

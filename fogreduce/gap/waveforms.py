@@ -23,18 +23,23 @@ def recoveries(blocks: Blocks) -> Array:
     return np.concatenate([1.0 / (1.0 + x), np.exp(-np.sqrt(x))], axis=1)[:, :, None]
 
 
-def after_effects(blocks: Blocks, cause: Array) -> Array:
-    """What follows the past of a cause (blocks,), rest before t = 0: its average over the last tau."""
+def memories(blocks: Blocks) -> Array:
+    """Averages over the past, with one tau after another: (J, blocks, blocks)."""
     lag = blocks.centre_s[:, None] - blocks.centre_s
-    out = np.empty((blocks.count, len(_MEMORIES_S), 1))
-    for j, tau in enumerate(_MEMORIES_S.tolist()):
+    past = lag > 0.5 * blocks.length_s
+    out = np.zeros((len(_MEMORIES_S), blocks.count, blocks.count))
+    for weight, tau in zip(out, _MEMORIES_S.tolist(), strict=True):
         keep = np.exp(-blocks.length_s / tau)
         within = (1.0 - keep) * tau / blocks.length_s  # what a block's mean keeps of what it starts with
-        weight = np.where(lag > 0.5 * blocks.length_s, np.exp(-np.maximum(lag, 0.0) / tau), 0.0)
-        weight *= within * (1.0 - keep) / keep
+        weight[past] = np.exp(-lag[past] / tau) * within * (1.0 - keep) / keep
         np.fill_diagonal(weight, 1.0 - within)
-        out[:, j, 0] = weight @ cause
     return out
+
+
+def after_effects(kernels: Array, cause: Array) -> Array:
+    """What follows the past of a cause (blocks,), rest before t = 0; `kernels`: of `memories`."""
+    result: Array = (kernels @ cause).T[:, :, None]
+    return result
 
 
 def sawteeth(blocks: Blocks, longest_s: float) -> Array:

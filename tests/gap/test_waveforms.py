@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from fogreduce.gap.blocks import Blocks
-from fogreduce.gap.waveforms import after_effects, recoveries, sawteeth, steps
+from fogreduce.gap.waveforms import after_effects, memories, recoveries, sawteeth, steps
 
 COUNT = 300
 BLOCKS = Blocks(1.0, COUNT, np.linspace(0.5, COUNT - 0.5, COUNT), np.arange(COUNT))
 
 
 def test_an_after_effect_of_a_steady_cause_rises_to_it() -> None:
-    shapes = after_effects(BLOCKS, np.full(COUNT, 2.0))[:, :, 0]
+    shapes = after_effects(memories(BLOCKS), np.full(COUNT, 2.0))[:, :, 0]
     assert np.all(np.diff(shapes, axis=0) >= -1e-12)
     assert np.isclose(shapes[-1, 0], 2.0)  # the shortest memory has forgotten the start
     assert np.all(shapes < 2.0 + 1e-9)
