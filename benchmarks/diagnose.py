@@ -1,4 +1,4 @@
-"""A diagnosis from a cold start: eight runs of 300 s, and one of 100 minutes; many campaigns in one process."""
+"""A diagnosis from a cold start: eight runs of 300 s, one of 100 minutes; many in one process."""
 
 from __future__ import annotations
 
