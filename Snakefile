@@ -4,12 +4,17 @@ import os
 import sys
 from pathlib import Path
 
+from fogreduce.cli.alone import WORKFLOW, hold
 from fogreduce.warm.start import start
 
 # The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
 os.environ.update(
     PATH=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 )
+# They end when this process does; and what a killed one has locked is unlocked.
+os.environ[WORKFLOW] = str(os.getpid())
+if workflow.is_main_process:
+    HELD = hold(Path(".snakemake"))
 
 
 configfile: Path(workflow.basedir) / "workflow" / "config.yaml"

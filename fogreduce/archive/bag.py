@@ -18,6 +18,7 @@ from types import TracebackType
 
 from fogreduce.archive.contents import Item
 from fogreduce.archive.outputs import sync
+from fogreduce.datasets.atomic import sweep
 from fogreduce.errors import BadInput
 
 DECLARATION = "BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
@@ -59,7 +60,7 @@ class BagWriter:
         if not self._by_digest:
             self._must_be_new()
         self.target.parent.mkdir(parents=True, exist_ok=True)
-        _sweep(self.target)
+        sweep(self.target)
         (self._at / "data").mkdir(parents=True)
         return self
 
@@ -147,21 +148,3 @@ class BagWriter:
 def encoded(path: str) -> str:
     """A path as a manifest has it (RFC 8493, 2.1.3): CR, LF and % are escaped."""
     return path.replace("%", "%25").replace("\n", "%0A").replace("\r", "%0D")
-
-
-def _sweep(target: Path) -> None:
-    """Remove what a process that was killed has left of this bag."""
-    for left in target.parent.glob(f".{target.name}.*.tmp"):
-        pid = left.name.removeprefix(f".{target.name}.").removesuffix(".tmp")
-        if pid.isdigit() and not _alive(int(pid)):
-            shutil.rmtree(left, ignore_errors=True)
-
-
-def _alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True
-    return True

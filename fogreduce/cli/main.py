@@ -105,4 +105,9 @@ def console() -> None:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Ended by a scheduler, as by Ctrl-C: what is half written is taken away.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # (The warm server does so by itself, and may have no second thread.)
+    if "FOGREDUCE_WORKFLOW" in os.environ and sys.argv[1:2] != ["server"]:
+        from fogreduce.cli.alone import end_with_workflow
+
+        end_with_workflow()
     sys.exit(main())

@@ -67,9 +67,7 @@ def turn_about_axis(axis: Array, vector: Array) -> tuple[Array, Array, Array]:
     constant, cosine, sine : (3,) arrays
     """
     constant = axis * (axis @ vector)
-    (x, y, z), (u, v, w) = axis, vector
-    # np.cross, written out: it takes ten times as long on three numbers
-    return constant, vector - constant, -np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+    return constant, vector - constant, -np.cross(axis, vector)
 
 
 def unit_from_enu(orientation: Mapping[str, str], azimuth_deg: float) -> Array:

@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from fogreduce.datasets.atomic import sweep
+
 
 @contextmanager
 def published(out: Path) -> Iterator[Path]:
@@ -19,6 +21,8 @@ def published(out: Path) -> Iterator[Path]:
     whole = out.absolute()
     temporary = whole.with_name(f".{whole.name}.{os.getpid()}.tmp")
     shutil.rmtree(temporary, ignore_errors=True)
+    if whole.parent.is_dir():
+        sweep(whole)
     try:
         temporary.mkdir(parents=True)
         yield temporary
