@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.causes import SHAPES, UNSEEN, Cause
-from fogreduce.gap.departures import departures
+from fogreduce.gap.departures import STEADY, departures, wandering
 from fogreduce.gap.noise_model import Metric, Rows, Whitener
 
 Array = NDArray[np.float64]
@@ -32,11 +32,14 @@ class Model:
         What they change, whitened.
     slopes : (rows, p) array
         Its derivatives by every free number of the slow causes, whitened.
+    shapes : (rows, d) array
+        How it may wander about the catalogue's shapes, whitened, one standard deviation each.
     """
 
     causes: tuple[Cause, ...]
     change: Array
     slopes: Array
+    shapes: Array
 
 
 def simulated(inputs: Sequence[RunInput], causes: Sequence[Cause], rows: Rows) -> Array:
@@ -59,17 +62,24 @@ def modelled(inputs: Sequence[RunInput], causes: Sequence[Cause], whiten: Whiten
     """The causes simulated, with their derivatives."""
     rows = whiten.rows
     at = simulated(inputs, causes, rows)
-    slopes = []
+    slopes: list[Array] = []
+    shapes = [np.zeros((rows.total, 0))]
     for k, cause in enumerate(causes):
         if not cause.slow:
             continue
+        own = np.zeros(rows.total)
         for name in cause.theta:
             step = _steps(cause, name, inputs[0].scene.blocks.length_s)
             moved = replace(cause, theta={**cause.theta, name: cause.theta[name] + step})
             other = [*causes[:k], moved, *causes[k + 1 :]]
             slopes.append((simulated(inputs, other, rows) - at) / step)
+            if name not in SHAPES:
+                own += cause.theta[name] * slopes[-1]
+        if cause.effect not in STEADY:
+            shapes.append(wandering(inputs, own, rows))
     columns = np.column_stack(slopes) if slopes else np.zeros((rows.total, 0))
-    return Model(tuple(causes), whiten((at - nominal)[:, None])[:, 0], whiten(columns))
+    change = whiten((at - nominal)[:, None])[:, 0]
+    return Model(tuple(causes), change, whiten(columns), whiten(np.column_stack(shapes)))
 
 
 def modelled_change(

@@ -304,6 +304,12 @@ class Metric:
             self._known[id(columns)] = (columns, self.a[rows].T @ columns)
         return self._known[id(columns)][1]
 
+    def wider(self, columns: Array) -> Metric:
+        """The same with further whitened columns, one standard deviation each, marginalised."""
+        if columns.shape[1] == 0:
+            return self
+        return Metric.of(np.column_stack([self.a, columns]))
+
     def gram(self, x: Array, y: Array) -> Array:
         """Inner products of whitened columns x (rows, k) and y (rows, l)."""
         result: Array = x.T @ y - (self.a.T @ x).T @ (self.shrink @ (self.a.T @ y))

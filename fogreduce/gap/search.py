@@ -122,15 +122,18 @@ class State:
     causes : list of Cause
         All of them.
     field : Field
-        Residual left, in a metric in which their amplitudes are free.
+        Residual left, in a metric in which their amplitudes are free and wander.
     ground : Ground
         What it stands on.
+    wandered : float
+        Ln evidence that the causes' sizes wander a little, at least 0.
     """
 
     model: Model
     causes: list[Cause]
     field: Field
     ground: Ground
+    wandered: float = 0.0
 
     @cached_property
     def seen(self) -> float:
@@ -207,7 +210,9 @@ class Search:
             model = modelled(self.data.inputs, slow, g.whiten, g.nominal)
         fitted = iter(model.causes)
         merged = [next(fitted) if c.slow else c for c in causes]
-        return State(model, merged, Field.of(g.metric.beside(model.slopes), g.y - model.change), g)
+        free = Field.of(g.metric.beside(model.slopes), g.y - model.change)
+        wide = Field.of(free.metric.wider(model.shapes), free.y)
+        return State(model, merged, wide, g, free.gain(model.shapes))
 
     # ------------------------------------------------------------------------------------ options
 
@@ -270,10 +275,11 @@ class Search:
 
     def credit(self, step: Step) -> float:
         """What departures from shape explain of what the unknown would take: ln of evidence."""
+        wandered = step.state.wandered
         if not step.state.causes or any(c.effect in CATALOGUED for c in step.state.causes):
-            return 0.0
+            return wandered
         rivals = [o for o in step.options if (o.process or not o.known) and o.raw > 0.0]
-        return max((o.raw - max(o.log_b, 0.0) for o in rivals), default=0.0)
+        return wandered + max((o.raw - max(o.log_b, 0.0) for o in rivals), default=0.0)
 
     # -------------------------------------------------------------------------------------- search
 
@@ -304,6 +310,11 @@ class Search:
                 hollow.add(best.key)
                 score -= best.score + further
                 continue
+            # evidence of the new one was taken beside the wandering of those before
+            score += max(path[-1].state.wandered - taken.wandered, 0.0)
+            if best.process:
+                # what the unknown would be credited with in its place
+                score += self.credit(path[-1]) - path[-1].state.wandered
             depth += 1
             state, change = self._weighed_again(taken, processes)
             options = self.options(state)
