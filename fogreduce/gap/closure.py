@@ -223,6 +223,8 @@ def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[fl
         std = float(held.parameters[name][1] or 0.0)
         # a discrete or exactly known number has no error of its own
         std = max(std, 1e-3 * abs(float(value)), 1e-12)
-        before += 0.5 * max(held.snr2, ((float(held.parameters[name][0]) - off) / std) ** 2)
+        # a level is known to no better than the record's, whose doubt its significance has in it
+        deviate2 = 0.0 if off else (float(held.parameters[name][0]) / std) ** 2
+        before += 0.5 * max(held.snr2, deviate2)
         after += 0.25 * ((float(held.parameters[name][0]) - float(fitted.parameters[name][0])) / std) ** 2
     return before + 1.0, after

@@ -39,6 +39,7 @@ STEADY = frozenset(
 #: second pole, a line that drifts and wanders, struck samples that come in bursts.
 FULL_RATE = {
     "low_pass": 0.06,
+    "angle_random_walk": 0.002,
     "periodic_interference": 0.02,
     "base_motion": 0.03,
 }

@@ -79,7 +79,7 @@ def diagnose(
     findings = [f for f in search.fast.findings([])]
     left = y0.field.metric.without(y0.field.y)
     findings += list(nothing.processes.findings(left, allowed))
-    faults = where.gross(y0.field, nothing.candidates)
+    faults = [*where.gross(y0.field, nothing.candidates), *where.joined(nothing.families)]
     seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
     found = where.places(y0.field, seats, findings, data.run_ids)
     if verdict.word != "no_gap" and not found:

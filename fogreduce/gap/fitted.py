@@ -17,6 +17,8 @@ from fogreduce.gap.noise_model import Metric, Rows, Whitener
 Array = NDArray[np.float64]
 
 _RISE_S = 2.0  # no step is quite sudden: doubt of its instant [s]
+#: Noise softens the edge at which a voltage is clipped: doubt of it, relative.
+_EDGE = 0.01
 #: A time constant is looked at over so wide a range about the best one.
 _WIDE = np.geomspace(0.1, 10.0, 11)
 
@@ -235,6 +237,8 @@ def _with_spread(causes: Sequence[Cause], spread: Array) -> tuple[Cause, ...]:
             std = dict(zip(cause.theta, np.sqrt(np.maximum(np.diag(own), 0.0)).tolist(), strict=True))
             if "time_s" in std:
                 std["time_s"] = float(np.hypot(std["time_s"], _RISE_S))
+            if "volts" in std:
+                std["volts"] = float(np.hypot(std["volts"], _EDGE * cause.theta["volts"]))
             out.append(replace(cause, std=std, spread=own))
             k += len(cause.theta)
         else:

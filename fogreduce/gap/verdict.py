@@ -137,10 +137,10 @@ def _named(search: Search, state: State, k: int, first: list[Option]) -> Named:
     """One cause against all that could stand in its place; `first`: options beside no cause at all."""
     cause = state.causes[k]
     others = [c for j, c in enumerate(state.causes) if j != k]
-    if not others or cause.key in state.ground.base:
+    if not others:
         options = first
-    elif cause.effect in CATALOGUED:
-        # the noise must not have the process in it already
+    elif cause.effect in CATALOGUED or cause.key in state.ground.base:
+        # neither noise nor chain must have the cause in them already
         options = search.options(search.state(others, search.ground_of(others), refine=False))
     else:
         options = search.options(search.state(others, state.ground, refine=False))

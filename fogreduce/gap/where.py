@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fogreduce.gap.bundles import Bundles
-from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.candidates import EVERY, Candidate
 from fogreduce.gap.evidence import Field
 from fogreduce.gap.findings import Finding
 from fogreduce.physics.special import log_chi2_tail, log_normal_tail, normal_deviate
@@ -133,6 +133,16 @@ def gross(field: Field, candidates: Iterable[Candidate]) -> list[Candidate]:
             channels = (*one.channels, other) if other else one.channels
             out.append(replace(one, channels=channels, known=False, feature=_GROSS_PLACES[one.effect]))
     return out
+
+
+def joined(families: Iterable[Candidate]) -> list[Candidate]:
+    """A rotation of the table that is steady in each run, any in each: its families of single runs as one."""
+    parts = [f for f in families if f.stage == "table" and f.feature == "mean" and f.runs != EVERY]
+    if len(parts) < 2:
+        return []
+    columns = np.concatenate([p.columns for p in parts], axis=2)
+    k = columns.shape[2]
+    return [replace(parts[0], runs=EVERY, columns=columns, scales=("",) * k, steps=np.ones((1, k)))]
 
 
 def _at(family: Candidate, best: int) -> Candidate:
