@@ -38,6 +38,7 @@ rule all:
         summary_tables(),
         expand(run_file("outputs.json"), zip, **run_wildcards()),
         expand(f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json", campaign=DIAGNOSED),
+        campaign_pages(),
 
 
 onstart:
@@ -47,3 +48,4 @@ onstart:
 
 onerror:
     print(summarize_failed(), file=sys.stderr)
+    pages_of_failures()

@@ -5,6 +5,7 @@
 ``captures/<campaign>/``                     captures that the workflow made, where campaign.yaml says so
 ``calibrations/<unit>/<version>.yaml``       the records that the runs used
 ``results/<campaign>/<run>/``                manifest, checksums, datasets, reports, tables, figures, versions
+``results/<campaign>/index.html``            its page, where there is one
 ``results/<campaign>/_diagnosis/``           its diagnosis, where there is one
 ``software/``                                the package's source, its rules, the lock of its environment
 ============================================ ===========================================================
@@ -35,6 +36,8 @@ from fogreduce.metadata.faults import NAME_PATTERN
 MADE = "_captures"
 #: Folder of a campaign's diagnosis, beside its runs.
 DIAGNOSIS = "_diagnosis"
+#: The page of a campaign, beside its runs.
+PAGE = "index.html"
 
 
 @dataclass(frozen=True)
@@ -133,6 +136,9 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
         if not name.endswith(".log"):
             place = f"results/{campaign}/{DIAGNOSIS}/{name}"
             items[place] = Item(place, diagnosis / name)
+    page = results / campaign / PAGE
+    if page.is_file():
+        items[f"results/{campaign}/{PAGE}"] = Item(f"results/{campaign}/{PAGE}", page)
     for name in source_files(source):
         items[f"software/{name}"] = Item(f"software/{name}", source / name)
     return Contents(campaign, [items[path] for path in sorted(items)], runs)

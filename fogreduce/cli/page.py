@@ -13,9 +13,18 @@ HELP = "write the page of a run, of a campaign or over all campaigns (a node of 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    parser.add_argument("of", choices=("run",), metavar="OF", help="run")
+    parser.add_argument("of", choices=tuple(_WRITERS), metavar="OF", help="run, campaign or index")
     parser.add_argument(
-        "results", type=Path, metavar="DIR", help="results of the run; index.html is written there"
+        "results",
+        type=Path,
+        metavar="DIR",
+        help="results of the run, of the campaign or of all; index.html is written there",
+    )
+    parser.add_argument(
+        "--campaigns",
+        metavar="DIR",
+        type=Path,
+        help="folder of the campaigns, for their titles and for runs that failed (default: what has results)",
     )
 
 
@@ -23,11 +32,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
     if not arguments.results.is_dir():
         raise BadInput.at(arguments.results, "", found="no such folder", expected="a folder of results")
-    _run(arguments.results)
+    _WRITERS[arguments.of](arguments.results, arguments.campaigns)
     return 0
 
 
-def _run(folder: Path) -> None:
+def _run(folder: Path, campaigns: Path | None) -> None:
     from fogreduce.datasets.atomic import write_text
     from fogreduce.pages.overview import OVERVIEW, overview
     from fogreduce.pages.run_page import run_page
@@ -35,3 +44,16 @@ def _run(folder: Path) -> None:
     seen = overview(folder)
     write_text(folder / OVERVIEW, json.dumps(seen, indent=1, allow_nan=False) + "\n")
     write_text(folder / "index.html", run_page(folder, seen))
+
+
+def _campaign(folder: Path, campaigns: Path | None) -> None:
+    from fogreduce.datasets.atomic import write_text
+    from fogreduce.pages.campaign_page import campaign_page
+    from fogreduce.pages.gather import gather
+
+    folder = folder.resolve()
+    gathered = gather(folder, campaigns and campaigns / folder.name)
+    write_text(folder / "index.html", campaign_page(gathered, folder))
+
+
+_WRITERS = {"run": _run, "campaign": _campaign}

@@ -87,8 +87,9 @@ def kept_overview(folder: Path) -> dict[str, Any]:
         version = json.loads((folder / "manifest.json").read_bytes())["version_id"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return overview(folder)
-    if isinstance(kept, dict) and kept.get("schema") == SCHEMA and kept.get("version_id") == version:
-        return kept
+    same = isinstance(kept, dict) and (kept.get("schema"), kept.get("version_id")) == (SCHEMA, version)
+    if same and (folder / "tables" / "drift.csv").is_file():
+        return dict(kept)
     return overview(folder)
 
 

@@ -11,11 +11,13 @@ from markupsafe import Markup
 
 from fogreduce.pages import numbers
 
-INK, POINT, QUIET, WARNING = "#222222", "#1d4f80", "#5f5f5f", "#a3123a"
-_WIDTH, _LEFT, _RIGHT, _TOP = 960, 104, 14, 10
+INK, POINT, PALE, QUIET, WARNING = "#222222", "#1d4f80", "#86a3c3", "#5f5f5f", "#a3123a"
+_WIDTH, _LEFT, _RIGHT, _TOP = 960, 128, 14, 10
 _GAP = 14
 #: Values beyond so many times the scatter of the rest do not set the scale: they stand at the panel's edge.
 _FAR = 12.0
+#: Among more points than these, error bars step back.
+_MANY = 200
 
 
 Place = Callable[[float], float]
@@ -143,7 +145,8 @@ def _panel(
     for entry in absent:
         x, at = _LEFT + (entry + 0.5) * step, top + height - 8
         marks["absent"].append(_path(_cross(x, at, max(2.0, radius)), entry, linked))
-    body.append(f'<g fill="{POINT}" stroke="{POINT}">{"".join(marks["in"])}</g>')
+    bars = POINT if len(panel.values) <= _MANY else PALE
+    body.append(f'<g fill="{POINT}" stroke="{bars}">{"".join(marks["in"])}</g>')
     body.append(f'<g fill="#ffffff" stroke="{WARNING}" stroke-width="2">{"".join(marks["out"])}</g>')
     body.append(f'<g fill="none" stroke="{QUIET}" stroke-width="1.5">{"".join(marks["absent"])}</g>')
     return body
@@ -231,8 +234,8 @@ def _span(panel: Panel) -> tuple[float, float]:
 
 
 def _nice(low: float, high: float) -> list[float]:
-    """Round numbers between two, some three of them."""
-    raw = (high - low) / 3
+    """Round numbers between two, two to five of them."""
+    raw = (high - low) / 5
     power = 10.0 ** math.floor(math.log10(raw))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw)
     first = math.ceil(low / step)

@@ -135,14 +135,17 @@ def _tables_of(run: RunResults) -> tuple[dict[str, list[str]], tuple[str, str] |
             if not all(line.endswith(f",{version}") for line in lines[name][1:]):
                 return {}, (name, f"{path}: found rows of another version; expected {version}")
     except FileNotFoundError as error:
-        return {}, _reason(run.folder, f"{error.filename}: found no such file; expected a table")
+        return {}, why_none(run.folder, f"{error.filename}: found no such file; expected a table")
     except BadInput as error:
-        return {}, _reason(run.folder, str(error))
+        return {}, why_none(run.folder, str(error))
     return lines, None
 
 
-def _reason(folder: Path, otherwise: str) -> tuple[str, str]:
-    """The first stage whose log says something, and what; a traceback by its last line."""
+def why_none(folder: Path, otherwise: str) -> tuple[str, str]:
+    """Why a run has no tables: the first stage whose log says something, and what; without one, `otherwise`.
+
+    Of a traceback the last line.
+    """
     for stage in _LOGS:
         path = folder / "logs" / f"{stage}.log"
         try:

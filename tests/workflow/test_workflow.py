@@ -94,6 +94,12 @@ def test_a_failed_run_stops_no_other_and_the_end_says_why(
     (line,) = [line for line in end.splitlines() if "lab/c-broken" in line and "found" in line]
     assert "byte 0" in line
     assert "FOGCAP1" in line
+    # The campaign's page has it too; runs that are reduced have pages of their own.
+    page = (results / "lab/index.html").read_text()
+    assert "1 failed" in page
+    assert "expected FOGCAP1" in page
+    assert (results / "lab/a-steady/index.html").exists()
+    assert not (results / "lab/c-broken/index.html").exists()
 
 
 def test_tables_are_those_of_reduce_to_the_byte(
@@ -144,6 +150,9 @@ def test_once_mended_only_what_was_missing_is_made_and_a_further_call_does_nothi
         ("lab", "b-steps"),
         ("made", "a-steady"),
     }
+    page = (place / "results/lab/index.html").read_text()
+    assert "0 failed" in page
+    assert "c-broken" not in page
     third = snakemake(place)
     assert "Nothing to be done" in third.stdout + third.stderr
 

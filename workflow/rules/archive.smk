@@ -33,6 +33,7 @@ rule bag:
             if wildcards.campaign in globals().get("DIAGNOSED", ())
             else []
         ),
+        f"{RESULTS}/{{campaign}}/index.html" if CONFIG.pages.enabled else [],
     output:
         # Not the bag's folder, into which Snakemake would put a file of its own, but its digest and its name.
         # The name has the digest in it, so that older bags stay.

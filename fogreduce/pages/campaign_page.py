@@ -1,0 +1,234 @@
+"""The page of a campaign: runs side by side, as figures and as a table to sort and filter; what failed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from fogreduce.pages import svg
+from fogreduce.pages.gather import Entry, Gathered
+from fogreduce.pages.numbers import count, duration, number, plus_minus
+from fogreduce.pages.render import Crumb, page
+from fogreduce.pages.run_page import FLAGS, started
+
+#: Page of a campaign's diagnosis, beside its runs.
+_DIAGNOSIS = "_diagnosis/index.html"
+#: So many failed runs stand at the top; all stand in the table of runs.
+_MOST_FAILED = 10
+#: A choice among more ways of turning the table than these is no help.
+_MOST_CHOICES = 60
+
+Cell = dict[str, Any]
+
+
+def campaign_page(gathered: Gathered, folder: Path) -> str:
+    """The page of a campaign.
+
+    Parameters
+    ----------
+    gathered : Gathered
+        Its runs.
+    folder : Path
+        Its results: whether there is a diagnosis to be linked.
+    """
+    runs = gathered.runs
+    columns = _columns(runs)
+    rows = [_row(place, entry, columns) for place, entry in enumerate(runs)]
+    tables = sorted({row["table"] for row in rows if row["table"]})
+    context = {
+        "about": gathered.about,
+        "name": gathered.name,
+        "facts": _facts(gathered),
+        "failed": gathered.failed,
+        "most_failed": _MOST_FAILED,
+        "left_out": gathered.left_out,
+        "diagnosis": _DIAGNOSIS if (folder / _DIAGNOSIS).is_file() else None,
+        "charts": _charts(runs),
+        "columns": columns,
+        "rows": rows,
+        "tables": tables if 1 < len(tables) <= _MOST_CHOICES else [],
+        "versions": _versions(gathered.reduced),
+    }
+    label = gathered.about.label or _one_label(gathered.reduced)
+    crumbs = [Crumb("All campaigns", "../index.html")]
+    return page("campaign.html", gathered.name, context, crumbs, label, "table.js")
+
+
+def _one_label(reduced: Sequence[Entry]) -> str:
+    labels = {str(entry.overview["label"]) for entry in reduced if entry.overview}
+    return labels.pop() if len(labels) == 1 else ""
+
+
+def _facts(gathered: Gathered) -> list[tuple[str, str]]:
+    seen = [entry.overview for entry in gathered.reduced if entry.overview]
+    dates = sorted(overview["started_at"] for overview in seen)
+    flagged = sum(bool(overview["flagged"]) for overview in seen)
+    pairs = [
+        (
+            "Runs",
+            f"{count(len(gathered.runs))}: {count(len(seen))} reduced, of these {count(flagged)} with "
+            f"something flagged; {count(len(gathered.failed))} failed",
+        ),
+        ("Unit", _several(overview["unit"] for overview in seen)),
+        ("From, to", " to ".join(dict.fromkeys(date[:10] for date in (dates[:1] + dates[-1:])))),
+        ("Calibration", _several(overview["calibration"] for overview in seen)),
+        ("Operator", gathered.about.operator or ""),
+    ]
+    return [(name, value) for name, value in pairs if value]
+
+
+def _several(names: Any) -> str:
+    """Names, with the number of runs where there are several."""
+    counted = Counter(names)
+    if len(counted) == 1:
+        return str(next(iter(counted)))
+    return ", ".join(f"{name} ({count(times)})" for name, times in sorted(counted.items()))
+
+
+def _versions(reduced: Sequence[Entry]) -> list[tuple[str, str, int]]:
+    """Version of the package, digest of its code, and how many runs were reduced with them."""
+    counted = Counter((e.overview["software"], e.overview["code"]) for e in reduced if e.overview)
+    return [(software, code, times) for (software, code), times in sorted(counted.items())]
+
+
+def _columns(runs: Sequence[Entry]) -> list[dict[str, str]]:
+    """Columns of numbers: those that some run has."""
+    seen = [entry.overview for entry in runs if entry.overview]
+    columns = []
+    for kind, title in (("drift", "drift {} [deg/h]"), ("offset", "offset {} [deg/h]")):
+        axes = [axis for axis in "xyz" if any(axis in overview[kind] for overview in seen)]
+        columns += [{"kind": kind, "of": axis, "title": title.format(axis)} for axis in axes]
+    if any(overview["noise"] for overview in seen):
+        columns.append({"kind": "noise", "of": "", "title": "noise [deg/√h]"})
+    if any(overview["temperature"] for overview in seen):
+        columns.append({"kind": "temperature", "of": "", "title": "sensors [°C]"})
+    return columns
+
+
+def _row(place: int, entry: Entry, columns: Sequence[dict[str, str]]) -> dict[str, Any]:
+    overview = entry.overview
+    if overview is None:
+        said = f"{entry.stage}: {entry.reason}" if entry.stage else entry.reason
+        state, table, length = "failed", "", None
+        cells: list[Cell] = [{"value": "", "text": ""} for _ in columns]
+        version = ""
+    else:
+        state = "flagged" if overview["flagged"] else "reduced"
+        table = table_text(overview)
+        length, version = overview["duration_s"], overview["version_id"]
+        cells = [_cell(overview, column) for column in columns]
+        said = flags_text(overview["flagged"])
+    return {
+        "place": place,
+        "run_id": entry.run_id,
+        "href": f"{entry.run_id}/index.html" if entry.page else None,
+        "started": started(entry.started_at)[:16],
+        "table": table,
+        "length": "" if length is None else duration(length),
+        "length_s": "" if length is None else f"{length:g}",
+        "state": state,
+        "cells": cells,
+        "said": said,
+        "version": version,
+    }
+
+
+def table_text(overview: dict[str, Any]) -> str:
+    """What the table did: ``x: 10, 0 deg/s``."""
+    rates = overview["rates_deg_s"]
+    shown = [f"{rate:g}" for rate in rates[:6]] + (["..."] if len(rates) > 6 else [])
+    return f"{overview['axis']}: {', '.join(shown)} deg/s".replace("-", "−")
+
+
+def flags_text(flagged: dict[str, int]) -> str:
+    """What was flagged, the gyros taken together."""
+    sums: Counter[str] = Counter()
+    for kind, value in flagged.items():
+        what, _, _ = kind.rpartition("_gyro")
+        sums[what if what in FLAGS else kind] += value
+    return ", ".join(f"{count(value)} {kind.replace('_', ' ')}" for kind, value in sums.items())
+
+
+def _cell(overview: dict[str, Any], column: dict[str, str]) -> Cell:
+    kind = column["kind"]
+    if kind == "noise":
+        value = max(overview["noise"].values(), default=None)
+        return {"value": _plain(value), "text": number(value, 3)}
+    if kind == "temperature":
+        mean = (overview["temperature"] or {}).get("mean")
+        return {"value": _plain(mean), "text": "" if mean is None else f"{mean:.2f}".replace("-", "−")}
+    entry = overview[kind].get(column["of"], {})
+    value = entry.get("value")
+    return {"value": _plain(value), "text": plus_minus(value, entry.get("error"))}
+
+
+def _plain(value: float | None) -> str:
+    return "" if value is None else f"{value:.6g}"
+
+
+def _charts(runs: Sequence[Entry]) -> list[dict[str, Any]]:
+    """Figures over all runs in order of date; runs that failed are crosses at the bottom."""
+    seen = [entry.overview for entry in runs]
+    some = [overview for overview in seen if overview]
+    if not some:
+        return []
+    absent = [place for place, overview in enumerate(seen) if overview is None]
+    ticks = svg.some_ticks([entry.started_at[:10] for entry in runs])
+    charts = []
+    for kind, title, text in (
+        ("drift", "Drift", "Bars: one standard error by the noise that the residuals show."),
+        (
+            "offset",
+            "Mean rates less commanded",
+            "Mean of the fitted curve over the run, Earth's rate taken away, less the commanded rate.",
+        ),
+    ):
+        axes = [axis for axis in "xyz" if any(axis in overview[kind] for overview in some)]
+        panels = []
+        for axis in axes:
+            entries = [overview[kind].get(axis, {}) if overview else {} for overview in seen]
+            values, errors = ([entry.get(name) for entry in entries] for name in ("value", "error"))
+            panels.append(svg.Panel(axis, "deg/h", values, errors, zero=True))
+        charts.append((title, text, panels))
+    gyros = sorted({gyro for overview in some for gyro in overview["noise"]})
+    noise = [
+        svg.Panel(gyro, "deg/√h", [overview["noise"].get(gyro) if overview else None for overview in seen])
+        for gyro in gyros
+    ]
+    charts.append(
+        ("Noise", "Angle random walk of each gyro, from the Allan variance of what its curve leaves.", noise)
+    )
+    if any(overview["temperature"] for overview in some):
+        logs = [overview["temperature"] if overview else None for overview in seen]
+        panel = svg.Panel(
+            "sensors",
+            "°C",
+            [log["mean"] if log else None for log in logs],
+            lows=[log["low"] if log else None for log in logs],
+            highs=[log["high"] if log else None for log in logs],
+        )
+        charts.append(("Temperature", "Mean of the sensors' log; bars: its lowest and highest.", [panel]))
+    return [
+        {
+            "title": title,
+            "text": text,
+            "svg": svg.points(panels, ticks, _said(title, panels), absent, linked=True),
+        }
+        for title, text, panels in charts
+        if panels
+    ]
+
+
+def _said(title: str, panels: Sequence[svg.Panel]) -> str:
+    """A figure in words: for each panel how many, the median, the lowest and the highest."""
+    parts = []
+    for panel in panels:
+        values = sorted(value for value in panel.values if value is not None)
+        if values:
+            low, middle, high = (number(values[k], 3) for k in (0, len(values) // 2, -1))
+            parts.append(
+                f"{panel.name}: {len(values)} runs, median {middle}, from {low} to {high} {panel.unit}"
+            )
+    return f"{title} by run, in order of date. " + "; ".join(parts) + ". The table below has every number."

@@ -1,0 +1,90 @@
+"use strict";
+// Sorting and filtering of the table of runs; the points of the figures follow. Without it the page is whole too.
+(function () {
+  const table = document.getElementById("runs-table");
+  const body = table.tBodies[0];
+  const rows = Array.from(body.rows);
+  const form = document.querySelector("form.controls");
+  const words = document.getElementById("words");
+  const state = document.getElementById("state");
+  const turned = document.getElementById("table");
+  const shown = document.getElementById("shown");
+  const texts = rows.map((row) => row.textContent.toLowerCase());
+  const order = new Map(rows.map((row, place) => [row, place]));
+  const points = new Map();
+  for (const point of document.querySelectorAll("figure.chart [data-r]")) {
+    const run = point.dataset.r;
+    if (!points.has(run)) points.set(run, []);
+    points.get(run).push(point);
+  }
+
+  function key(row, column) {
+    const cell = row.cells[column];
+    return cell.dataset.v === undefined ? cell.textContent : cell.dataset.v;
+  }
+
+  function sort(header, column) {
+    const down = header.getAttribute("aria-sort") === "ascending";
+    const numeric = rows.some((row) => row.cells[column].dataset.v !== undefined);
+    const keys = new Map(rows.map((row) => [row, numeric ? parseFloat(key(row, column)) : key(row, column)]));
+    const missing = (value) => (numeric ? Number.isNaN(value) : value === "");
+    rows.sort((one, other) => {
+      const a = keys.get(one), b = keys.get(other);
+      // What is missing stays at the end either way.
+      if (missing(a) || missing(b)) return missing(a) - missing(b) || order.get(one) - order.get(other);
+      const by = numeric ? a - b : a.localeCompare(b, "en", { numeric: true });
+      return (down ? -by : by) || order.get(one) - order.get(other);
+    });
+    body.append(...rows);
+    for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
+    header.setAttribute("aria-sort", down ? "descending" : "ascending");
+  }
+
+  Array.from(table.tHead.rows[0].cells).forEach((header, column) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.append(...header.childNodes);
+    button.addEventListener("click", () => sort(header, column));
+    header.append(button);
+  });
+
+  function filter() {
+    const wanted = words.value.toLowerCase().split(/\s+/).filter(Boolean);
+    let number = 0;
+    for (const row of rows) {
+      const text = texts[order.get(row)];
+      const fits = wanted.every((word) => text.includes(word)) &&
+        (!state.value || row.dataset.state === state.value) &&
+        (!turned || !turned.value || row.cells[3].textContent === turned.value);
+      number += fits;
+      if (row.hidden === !fits) continue;
+      row.hidden = !fits;
+      for (const point of points.get(row.dataset.run) || []) point.classList.toggle("off", !fits);
+    }
+    shown.textContent = number + " of " + rows.length + " runs shown";
+  }
+
+  form.addEventListener("input", filter);
+  form.addEventListener("submit", (event) => event.preventDefault());
+  form.addEventListener("reset", () => setTimeout(filter));
+  form.hidden = false;
+  filter();
+
+  // A point names its run under the pointer, and leads to its page.
+  const byRun = new Map(rows.map((row) => [row.dataset.run, row]));
+  for (const figure of document.querySelectorAll("figure.chart")) {
+    figure.addEventListener("pointerover", (event) => {
+      const point = event.target.closest("[data-r]");
+      if (!point || point.firstChild) return;
+      const title = document.createElementNS("http://www.w3.org/2000/svg", "title");
+      const row = byRun.get(point.dataset.r);
+      title.textContent = row.cells[0].textContent + ", " + row.cells[1].textContent + ", " + row.cells[2].textContent;
+      point.append(title);
+    });
+    figure.addEventListener("click", (event) => {
+      const point = event.target.closest("[data-r]");
+      const link = point && byRun.get(point.dataset.r).querySelector("a");
+      if (link) link.click();
+    });
+  }
+})();
