@@ -24,6 +24,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/captures.smk"
 include: "workflow/rules/reduction.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/pages_common.smk"
 include: "workflow/rules/pages.smk"
 include: "workflow/rules/summary.smk"
 include: "workflow/rules/archive.smk"
@@ -38,7 +39,7 @@ rule all:
         summary_tables(),
         expand(run_file("outputs.json"), zip, **run_wildcards()),
         expand(f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json", campaign=DIAGNOSED),
-        campaign_pages(),
+        [f"{RESULTS}/index.html"] if CONFIG.pages.enabled else [],
 
 
 onstart:

@@ -56,4 +56,14 @@ def _campaign(folder: Path, campaigns: Path | None) -> None:
     write_text(folder / "index.html", campaign_page(gathered, folder))
 
 
-_WRITERS = {"run": _run, "campaign": _campaign}
+def _index(folder: Path, campaigns: Path | None) -> None:
+    from fogreduce.datasets.atomic import write_text
+    from fogreduce.pages.gather import gather
+    from fogreduce.pages.index_page import index_page
+
+    names = sorted(path.name for path in folder.iterdir() if path.is_dir() and path.name[0] not in "_.")
+    gathered = [gather(folder / name, campaigns and campaigns / name) for name in names]
+    write_text(folder / "index.html", index_page(gathered))
+
+
+_WRITERS = {"run": _run, "campaign": _campaign, "index": _index}

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 #: Below so many runs there is a centre and no limits.
 FEWEST_RUNS = 8
-#: So many in a row on one side of the centre say that the level has moved.
-LONG_ROW = 8
+#: The level has moved where more in a row lie on one side of the centre than chance gives so often.
+_CHANCE = 0.01
 WIDTH = 3.0
 #: Median of |u - v|, u and v standard normal.
 _MEDIAN_RANGE = 0.6744897501960817 * 2**0.5
@@ -44,6 +44,8 @@ class Control:
         Runs outside their limits.
     longest : int
         Most runs in a row on one side of the centre.
+    moved : bool
+        Whether so long a row is more than chance would give.
     """
 
     centre: float
@@ -51,6 +53,7 @@ class Control:
     limits: list[tuple[float, float]] | None
     out: tuple[int, ...]
     longest: int
+    moved: bool
 
 
 def control(values: Sequence[float], errors: Sequence[float]) -> Control:
@@ -65,12 +68,14 @@ def control(values: Sequence[float], errors: Sequence[float]) -> Control:
     centre = float(np.median(x))
     longest = _longest_row(x > centre, x < centre)
     if x.size < FEWEST_RUNS:
-        return Control(centre, None, None, (), longest)
+        return Control(centre, None, None, (), longest, False)
     extra = _extra(x - centre, s)
     half = WIDTH * np.sqrt(s**2 + extra**2)
     out = np.flatnonzero(np.abs(x - centre) > half)
     limits = list(zip((centre - half).tolist(), (centre + half).tolist(), strict=True))
-    return Control(centre, extra, limits, tuple(out.tolist()), longest)
+    # A row of L begins at a given run by chance with probability 2^-L.
+    moved = x.size * 2.0**-longest < _CHANCE
+    return Control(centre, extra, limits, tuple(out.tolist()), longest, moved)
 
 
 def _extra(x: Array, s: Array) -> float:
@@ -81,7 +86,7 @@ def _extra(x: Array, s: Array) -> float:
         counted = np.divide(x, deviation, out=np.zeros_like(x), where=deviation > 0)
         counted[(deviation == 0) & (x != 0)] = np.inf
         with np.errstate(invalid="ignore"):
-            ranges = np.nan_to_num(np.abs(np.diff(counted)), nan=np.inf)
+            ranges = np.nan_to_num(np.abs(np.diff(counted)), nan=np.inf, posinf=np.inf)
         return bool(np.median(ranges) > _MEDIAN_RANGE)
 
     if not too_small(0.0):

@@ -198,14 +198,15 @@ def _path(path: str, entry: int, linked: bool) -> str:
 
 
 def _band(limits: Sequence[tuple[float, float]], y: Place, top: float, height: float, step: float) -> str:
-    """Lower and upper limit as dashed steps, cut at the panel's edge."""
+    """Lower and upper limit as steps, dashed where there are few, cut at the panel's edge."""
     lines = []
+    dashes = ' stroke-dasharray="5 3"' if len(limits) <= _MANY else ' stroke-opacity="0.45"'
     for side in (0, 1):
         path = ""
         for entry, pair in enumerate(limits):
             at = min(max(y(pair[side]), top), top + height)
             path += f"{'M' if not path else 'L'}{_LEFT + entry * step:.1f},{at:.1f}h{step:.1f}"
-        lines.append(f'<path d="{path}" fill="none" stroke="{WARNING}" stroke-dasharray="5 3"/>')
+        lines.append(f'<path d="{path}" fill="none" stroke="{WARNING}"{dashes}/>')
     return "".join(lines)
 
 

@@ -97,9 +97,10 @@ def test_a_failed_run_stops_no_other_and_the_end_says_why(
     # The campaign's page has it too; runs that are reduced have pages of their own.
     page = (results / "lab/index.html").read_text()
     assert "1 failed" in page
-    assert "expected FOGCAP1" in page
+    assert "byte 0: found" in page
     assert (results / "lab/a-steady/index.html").exists()
     assert not (results / "lab/c-broken/index.html").exists()
+    assert "lab/index.html" in (results / "index.html").read_text()
 
 
 def test_tables_are_those_of_reduce_to_the_byte(

@@ -1,17 +1,5 @@
 """Pages for people: one a run, one a campaign, one over all campaigns."""
 
-import os
-import subprocess
-from pathlib import Path
-
-import fogreduce
-from fogreduce.archive.digest import data_digest, file_digest
-
-TEMPLATES = {
-    path.name: file_digest(path)
-    for path in sorted((Path(fogreduce.__file__).parent / "pages/templates").iterdir())
-}
-
 
 rule run_page:
     input:
@@ -36,35 +24,6 @@ rule run_page:
         "fogreduce page run {params.out:q} > {log:q} 2>&1"
 
 
-def campaign_pages():
-    """The pages of the campaigns and that over all of them, if pages are asked for."""
-    if not CONFIG.pages.enabled:
-        return []
-    names = [name for name in CAMPAIGNS if FOUND[name][0]]
-    return [f"{RESULTS}/{name}/index.html" for name in names]
-
-
-def pages_of_failures():
-    """The pages of campaigns of which runs failed: no rule makes them, as it lacks those runs' pages.
-
-    They are dated back, so that the next call makes them anew.
-    """
-    if not CONFIG.pages.enabled:
-        return
-    failed = {
-        campaign
-        for campaign, run in RUNS
-        if not is_reduced(Path(RESULTS) / campaign / run)
-    }
-    for folder in [Path(RESULTS) / campaign for campaign in sorted(failed)]:
-        if not folder.is_dir():
-            continue
-        command = ["fogreduce", "page", "campaign", folder]
-        subprocess.run([*command, "--campaigns", CONFIG.campaigns_dir], check=False)
-        if (folder / "index.html").exists():
-            os.utime(folder / "index.html", (0, 0))
-
-
 rule campaign_page:
     input:
         runs=lambda wildcards: [
@@ -85,13 +44,31 @@ rule campaign_page:
     output:
         f"{RESULTS}/{{campaign}}/index.html",
     log:
-        f"{RESULTS}/_summary/logs/page-{{campaign}}.log",
+        f"{SUMMARY}/logs/page-{{campaign}}.log",
     benchmark:
-        f"{RESULTS}/_summary/benchmarks/page-{{campaign}}.tsv"
+        f"{SUMMARY}/benchmarks/page-{{campaign}}.tsv"
     params:
-        code=code_digest(("pages",)),
+        code=code_digest("fogreduce.pages.gather", "fogreduce.pages.campaign_page"),
         templates=data_digest(TEMPLATES),
         campaigns=CONFIG.campaigns_dir,
         folder=lambda wildcards, output: Path(output[0]).parent,
     shell:
         "fogreduce page campaign {params.folder:q} --campaigns {params.campaigns:q} > {log:q} 2>&1"
+
+
+rule index_page:
+    input:
+        campaign_pages(),
+    output:
+        f"{RESULTS}/index.html",
+    log:
+        f"{SUMMARY}/logs/page.log",
+    benchmark:
+        f"{SUMMARY}/benchmarks/page.tsv"
+    params:
+        code=code_digest("fogreduce.pages.gather", "fogreduce.pages.index_page"),
+        templates=data_digest(TEMPLATES),
+        campaigns=CONFIG.campaigns_dir,
+        folder=lambda wildcards, output: Path(output[0]).parent,
+    shell:
+        "fogreduce page index {params.folder:q} --campaigns {params.campaigns:q} > {log:q} 2>&1"
