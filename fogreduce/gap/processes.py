@@ -62,6 +62,7 @@ class Processes:
     ) -> None:
         self.inputs, self.whiten = inputs, whiten
         self._known = {} if known is None else known
+        self._inverses: dict[int, Array] = {}
         largest = np.max([np.abs(p).max(axis=1) for p in plain], axis=0)
         self._reading = [p / np.maximum(largest, 1e-300)[:, None] for p in plain]
         self._turns = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
@@ -117,13 +118,13 @@ class Processes:
         for r in runs:
             matrix = self.whiten.filters[i, r]
             part, count = self.whiten.rows.of(i, r), len(matrix)
-            values[r, :count] = np.linalg.solve(matrix, left[part])
+            values[r, :count] = self._inverse(i, r) @ left[part]
             scale = np.diag(matrix)
             # a block without samples has next to no weight
             seen[r, :count] = scale > 0.1 * float(np.median(scale))
             if kind == "gain":
                 weights[r] = float(np.mean(self._reading[r][i]))
-        inverse = np.linalg.inv(self.whiten.filters[i, 0])
+        inverse = self._inverse(i, 0)
         background = Background.of(inverse @ inverse.T)
         return jumps_add(values, seen, self.inputs[0].scene.blocks.length_s, weights, background)
 
@@ -137,6 +138,13 @@ class Processes:
         return np.concatenate([d for d, _ in every]), np.concatenate(
             [np.full(len(d), float(k)) for d, k in every]
         )
+
+    def _inverse(self, i: int, r: int) -> Array:
+        """What turns whitened rows of a gyro in a run back."""
+        matrix = self.whiten.filters[i, r]
+        if id(matrix) not in self._inverses:
+            self._inverses[id(matrix)] = np.asarray(np.linalg.inv(matrix), np.float64)
+        return self._inverses[id(matrix)]
 
     def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
         """Ln B, best gain in ln likelihood, best size and its error."""
