@@ -83,9 +83,10 @@ def _extra(x: Array, s: Array) -> float:
 
     def too_small(t: float) -> bool:
         deviation = np.sqrt(s**2 + t**2)
-        counted = np.divide(x, deviation, out=np.zeros_like(x), where=deviation > 0)
-        counted[(deviation == 0) & (x != 0)] = np.inf
-        with np.errstate(invalid="ignore"):
+        # Errors next to nothing make values endlessly far; two of those are not known to be near each other.
+        with np.errstate(over="ignore", invalid="ignore"):
+            counted = np.divide(x, deviation, out=np.zeros_like(x), where=deviation > 0)
+            counted[(deviation == 0) & (x != 0)] = np.inf
             ranges = np.nan_to_num(np.abs(np.diff(counted)), nan=np.inf, posinf=np.inf)
         return bool(np.median(ranges) > _MEDIAN_RANGE)
 
