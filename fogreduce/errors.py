@@ -28,7 +28,13 @@ class Fault:
     def __str__(self) -> str:
         place = f"{self.file}: {self.where}" if self.where else self.file
         text = f"{place}: found {self.found}; expected {self.expected}"
-        return " ".join(text.split())
+        # On one line, and nothing in it that a terminal would obey: names and bytes come from anywhere.
+        text = " ".join(text.split())
+        return text if text.isprintable() else "".join(map(_shown, text))
+
+
+def _shown(character: str) -> str:
+    return character if character.isprintable() else character.encode("unicode_escape").decode()
 
 
 class FogreduceError(Exception):

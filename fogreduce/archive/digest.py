@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 _CHUNK = 1 << 20
+#: Of the digest of a manifest's content, its version id.
+VERSION_ID_DIGITS = 16
 
 
 def file_digest(path: Path, told: Callable[[int], None] = lambda read: None) -> str:

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.digest import data_digest, file_digest
-from fogreduce.archive.records import MANIFEST, OUTPUTS, VERSION_ID_DIGITS
+from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest, file_digest
+from fogreduce.archive.records import MANIFEST, OUTPUTS
 from fogreduce.archive.stages import STAGES
 
 _GONE = "gone"

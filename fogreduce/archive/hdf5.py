@@ -56,8 +56,9 @@ def look_at(paths: Sequence[Path]) -> dict[Path, Looked]:
 
 
 def _look_apart(paths: Sequence[Path], sends: Connection) -> None:
-    limits = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (_MOST_MEMORY_BYTES, limits[1]))
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    limit = _MOST_MEMORY_BYTES if most == resource.RLIM_INFINITY else min(_MOST_MEMORY_BYTES, most)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     # The process ends by the signal itself: no handler of Python's would be called inside the library.
     signal.signal(signal.SIGPROF, signal.SIG_DFL)

@@ -14,14 +14,13 @@ from typing import Any
 
 import fogreduce
 from fogreduce.archive.code import code_digest
-from fogreduce.archive.digest import data_digest, file_digest
+from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest, file_digest
 from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.folder import cross_check, load_calibration, load_campaign, load_run
 
 _LIBRARIES = ("numpy", "h5py", "pydantic", "pyyaml")
-_ID_DIGITS = 16
 
 
 def manifest(run_dir: Path, calibrations_dir: Path, parameters: Mapping[str, Any]) -> dict[str, Any]:
@@ -65,7 +64,7 @@ def manifest(run_dir: Path, calibrations_dir: Path, parameters: Mapping[str, Any
         "calibration_record": record.model_dump(mode="json", exclude_none=True),
         "stated_uncertainty": record.stated_uncertainty.model_dump(mode="json"),
     }
-    return {"schema": MANIFEST_SCHEMA, "version_id": data_digest(body)[:_ID_DIGITS], **body}
+    return {"schema": MANIFEST_SCHEMA, "version_id": data_digest(body)[:VERSION_ID_DIGITS], **body}
 
 
 def _input(run_dir: Path, name: str) -> dict[str, Any]:

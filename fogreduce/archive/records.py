@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from fogreduce.archive.digest import data_digest
+from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest
 from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.base import Model, Name
@@ -20,7 +20,6 @@ OUTPUTS_SCHEMA = "fogreduce/outputs/1"
 
 #: A record is small; what is larger is not one.
 LARGEST_RECORD_BYTES = 64 << 20
-VERSION_ID_DIGITS = 16
 
 Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 VersionId = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]

@@ -84,7 +84,7 @@ def _usable(setup: Setup, channel: str) -> tuple[Any, Any]:
 
     from fogreduce.datasets.flags import UNUSABLE_AXES, UNUSABLE_RECORD
     from fogreduce.physics.quantization import volts_from_counts
-    from fogreduce.stages.files import StageDataset
+    from fogreduce.stages.dataset import StageDataset
     from fogreduce.stages.setup import seconds
 
     is_gyro = channel in setup.gyros

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fogreduce import __version__
+from fogreduce.cli.shortage import memory_fault, out_of_memory
 from fogreduce.errors import Fault, FogreduceError
 
 #: Subcommand -> (module of `fogreduce.cli`, what it does).
@@ -74,11 +75,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except FogreduceError as error:
         print(error, file=sys.stderr)
         return error.exit_status
-    except OSError as error:
-        return system_error(error)
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return 1
+    except Exception as error:
+        if out_of_memory(error):
+            print(memory_fault(parsed.command), file=sys.stderr)
+            return 1
+        if isinstance(error, OSError):
+            return system_error(error)
+        raise
 
 
 def system_error(error: OSError) -> int:

@@ -122,3 +122,37 @@ def remove_earth_variables(facts: RunFacts) -> list[Variable]:
 
 def _axis_rate(long_name: str) -> Variable:
     return Variable("axis_rate", ("axis", "time"), "<f8", {"long_name": long_name, "units": "degree s-1"})
+
+
+_BIN_KINDS = {
+    "mean": "mean of usable values in the bin",
+    "scatter": "standard deviation of usable values about the bin's mean",
+    "lowest": "lowest of all values in the bin",
+    "highest": "highest of all values in the bin",
+    "count": "usable values in the bin",
+}
+
+
+def bin_variables(facts: RunFacts) -> list[Variable]:
+    """The run in some thousand bins: raw volts and, where there are any, rates about x, y, z."""
+    families = [("volts", "gyro", "V")]
+    if facts.projection is not None:
+        families.append(("axis_rate", "axis", "degree s-1"))
+    variables = [time_variable(facts)]
+    for name, dim, units in families:
+        for kind, long_name in _BIN_KINDS.items():
+            attributes = {"long_name": f"{long_name}, {name}", "units": "1" if kind == "count" else units}
+            variables.append(Variable(f"{name}_{kind}", (dim, "time"), "<f8", attributes))
+    return variables
+
+
+def variables_of(stage: str, facts: RunFacts, *, has_counts: bool) -> dict[str, Variable]:
+    """What stands along the records in the dataset of a stage, by name."""
+    makers = {
+        "calibrate": calibrate_variables,
+        "project": project_variables,
+        "remove_earth": remove_earth_variables,
+        "bins": bin_variables,
+    }
+    made = ingest_variables(facts, has_counts=has_counts) if stage == "ingest" else makers[stage](facts)
+    return {variable.name: variable for variable in made}

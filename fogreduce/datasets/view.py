@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -20,6 +21,23 @@ STAGES: dict[str, dict[str, str]] = {
     "calibrate": {},
     "project": {"axis_rate": "axis_rate_with_earth"},
     "remove_earth": {},
+}
+
+#: The variables along the records, and those that a stage cannot do without.
+_DIMENSIONS = {
+    "time": ("time",),
+    "pulse": ("time",),
+    "flag": ("time",),
+    "gyro_flag": ("gyro", "time"),
+    "volts": ("gyro", "time"),
+    "gyro_rate": ("gyro", "time"),
+    "axis_rate": ("axis", "time"),
+}
+_NEEDED = {
+    "ingest": ("time", "pulse", "flag", "gyro_flag", "volts"),
+    "calibrate": ("time", "flag", "gyro_flag", "gyro_rate"),
+    "project": ("time", "flag"),
+    "remove_earth": ("time", "flag"),
 }
 
 _EXPECTED = "a run's results folder (as `fogreduce reduce --out` or the workflow leaves it)"
@@ -69,7 +87,9 @@ def open_run(path: str | os.PathLike[str]) -> xr.Dataset:
     parts: dict[str, xr.Dataset] = {}
     try:
         for stage in STAGES:
-            parts[stage] = _open_stage(folder / "datasets" / f"{stage}.nc")
+            path = folder / "datasets" / f"{stage}.nc"
+            parts[stage] = _open_stage(path)
+            _as_written(path, parts[stage], _NEEDED[stage])
             _same_run(folder, parts, stage)
         return _merged(parts)
     except BaseException:
@@ -81,10 +101,27 @@ def _open_stage(path: Path) -> xr.Dataset:
     if not path.is_file():
         raise BadInput.at(path, "", found="no such file", expected=f"a dataset of {_EXPECTED}")
     try:
+        # First without h5netcdf, which complains on its own when it lets go of a file that it could not open.
+        h5py.File(path, "r").close()
         # Times are decoded below: a corrupt stamp must not make the other records unreadable.
-        return xr.open_dataset(path, engine="h5netcdf", decode_times=False)
-    except (OSError, ValueError, KeyError) as error:
+        return xr.open_dataset(path, engine="h5netcdf", decode_times=False, phony_dims="access")
+    except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError, LookupError) as error:
         raise BadInput.at(path, "", found=str(error), expected=f"a dataset of {_EXPECTED}") from None
+
+
+def _as_written(path: Path, part: xr.Dataset, needed: tuple[str, ...]) -> None:
+    """Refuse a dataset whose variables are missing, not numbers, or along other dimensions."""
+    for name in dict.fromkeys((*needed, *_DIMENSIONS)):
+        if name not in part.variables:
+            if name in needed:
+                raise BadInput.at(
+                    path, name, found="no such variable", expected="one, as its stage writes it"
+                )
+            continue
+        variable, dims = part.variables[name], _DIMENSIONS[name]
+        if variable.dims != dims or variable.dtype.kind not in "iuf":
+            found = f"{variable.dtype} along {', '.join(map(str, variable.dims)) or 'nothing'}"
+            raise BadInput.at(path, name, found=found, expected=f"numbers along {', '.join(dims)}")
 
 
 def _same_run(folder: Path, parts: dict[str, xr.Dataset], stage: str) -> None:

@@ -63,6 +63,8 @@ def unstable_intervals(
     if time_s.size < 2 * _LEAST_BINS:
         return found
     period = float(np.median(np.diff(time_s)))
+    if not period > 0:
+        return found  # stamps that do not run on: there is no time for an interval to lie in
     window = max(_LEAST_BINS, round(_WINDOW_S / period)) | 1
     for gyro in range(len(scatter)):
         there = np.isfinite(scatter[gyro]) & (count[gyro] > 1)

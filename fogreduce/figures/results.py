@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from fogreduce.errors import BadInput
 from fogreduce.figures.envelope import Columns, columns_of
 from fogreduce.figures.style import Identity
-from fogreduce.stages.files import StageDataset, read_json
+from fogreduce.stages.dataset import StageDataset
+from fogreduce.stages.files import read_json
 from fogreduce.stages.setup import Setup, seconds
 
 Array = NDArray[np.float64]

@@ -1,14 +1,12 @@
-"""The files of a run's results: each stage's dataset opened for writing, and read again in blocks."""
+"""The files of a run's results: each stage's dataset opened for writing, and reports."""
 
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +16,8 @@ from fogreduce.datasets.block import Block
 from fogreduce.datasets.store import DatasetWriter
 from fogreduce.errors import BadInput
 from fogreduce.estimate.bins import Bins
+from fogreduce.metadata.words import kind_of
+from fogreduce.stages.dataset import problem_of
 from fogreduce.stages.setup import Setup, microseconds
 
 Array = NDArray[np.float64]
@@ -95,93 +95,21 @@ def write_axis_rates(
     writer.write("flag", start, flag)
 
 
-class StageDataset:
-    """A stage's dataset, read in the blocks in which it was written.
-
-    Parameters
-    ----------
-    setup : Setup
-    stage : str
-        Whose dataset.
-    """
-
-    def __init__(self, setup: Setup, stage: str) -> None:
-        self.path = setup.dataset(stage)
-        self._size = setup.block_records
-        try:
-            self._file = h5py.File(self.path, "r")
-        except OSError as error:
-            expected = f"the dataset of stage {stage}"
-            raise BadInput.at(self.path, "", found=_problem(self.path, error), expected=expected) from None
-        found_id = self._file.attrs.get("version_id")
-        if found_id != setup.version_id:
-            self._file.close()
-            raise BadInput.at(
-                self.path,
-                "version_id",
-                found=found_id,
-                expected=f"{setup.version_id}, as the manifest has it",
-            )
-        self.n_records = int(self._variable("time").shape[0])
-
-    def _variable(self, name: str) -> h5py.Dataset:
-        if name not in self._file:
-            self._file.close()
-            raise BadInput.at(
-                self.path, name, found="no such variable", expected="one, as its stage writes it"
-            )
-        return self._file[name]
-
-    def __enter__(self) -> StageDataset:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._file.close()
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._file
-
-    def has_counts(self) -> bool:
-        """Whether raw volts are packed counts."""
-        return bool(self._variable("volts").dtype == np.int32)
-
-    def blocks(self, names: Sequence[str]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
-        """Index of the first record, and the named variables' values, block by block."""
-        variables = {name: self._variable(name) for name in names}
-        for start in range(0, self.n_records, self._size):
-            part = slice(start, min(start + self._size, self.n_records))
-            yield start, {name: variable[..., part] for name, variable in variables.items()}
-
-
 def write_bins(setup: Setup, bins: Bins) -> None:
     """Dataset ``bins``: the run in some thousand bins, for figures and for a quick look."""
     n = setup.facts.n_gyros
-    families = [("volts", "gyro", "V", slice(0, n))]
     sizes, coordinates = {"time": bins.time_s.size, "gyro": n}, {"gyro": setup.gyros}
     if setup.axes:
-        families.append(("axis_rate", "axis", "degree s-1", slice(n, n + 3)))
         sizes["axis"], coordinates["axis"] = 3, setup.axes
-    time = templates.time_variable(setup.facts)
-    variables, values = [time], {"time": microseconds(bins.time_s)}
-    for name, dim, units, part in families:
-        for kind, long_name in _BIN_KINDS.items():
-            attributes = {"long_name": f"{long_name}, {name}", "units": "1" if kind == "count" else units}
-            variables.append(templates.Variable(f"{name}_{kind}", (dim, "time"), "<f8", attributes))
-            values[f"{name}_{kind}"] = getattr(bins, kind)[part]
+    variables = templates.bin_variables(setup.facts)
+    channels = {"volts": slice(0, n), "axis_rate": slice(n, n + 3)}
     with DatasetWriter(
         setup.dataset("bins"), sizes, coordinates, variables, setup.attributes, setup.storage
     ) as writer:
-        for name, array in values.items():
-            writer.write(name, 0, array)
-
-
-_BIN_KINDS = {
-    "mean": "mean of usable values in the bin",
-    "scatter": "standard deviation of usable values about the bin's mean",
-    "lowest": "lowest of all values in the bin",
-    "highest": "highest of all values in the bin",
-    "count": "usable values in the bin",
-}
+        writer.write("time", 0, microseconds(bins.time_s))
+        for variable in variables[1:]:
+            family, _, kind = variable.name.rpartition("_")
+            writer.write(variable.name, 0, getattr(bins, kind)[channels[family]])
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
@@ -203,18 +131,9 @@ def read_json(path: Path) -> dict[str, Any]:
     """A report written by an earlier stage."""
     try:
         data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        found = _problem(path, error) if isinstance(error, OSError) else str(error)
+    except (OSError, ValueError, RecursionError) as error:
+        found = problem_of(path, error) if isinstance(error, OSError) else str(error)
         raise BadInput.at(path, "", found=found, expected="the report of an earlier stage") from None
+    if not isinstance(data, dict):
+        raise BadInput.at(path, "", found=kind_of(data), expected="the report of an earlier stage")
     return data
-
-
-def _problem(path: Path, error: OSError) -> str:
-    """Why a file could not be opened, in words: HDF5's own message is long and names its internals."""
-    if not path.exists():
-        return "no such file"
-    if path.is_dir():
-        return "a folder"
-    if error.errno is not None:
-        return os.strerror(error.errno)
-    return "a truncated file" if "truncated file" in str(error) else "a file that is not HDF5"

@@ -25,9 +25,9 @@ from fogreduce.stages import drift as drift_stage
 from fogreduce.stages import encoder as encoder_stage
 from fogreduce.stages import tables
 from fogreduce.stages.calibrate import calibrate
+from fogreduce.stages.dataset import StageDataset
 from fogreduce.stages.files import (
     Logs,
-    StageDataset,
     open_ingest_writer,
     open_writer,
     read_report,
@@ -154,7 +154,12 @@ def run_fit(setup: Setup, progress: Progress = _silent) -> None:
 def run_drift(setup: Setup, progress: Progress = _silent) -> None:
     """Stage 6: the paper's offset rule and the integration; over at once, whatever the record's length."""
     fits = read_report(setup, "fit")
-    rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
+    try:
+        rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        path = setup.out / "reports" / "fit.json"
+        found = f"damage ({type(error).__name__}: {error})"
+        raise BadInput.at(path, "", found=found, expected="the report as stage fit writes it") from None
     tables.write_table(setup.table("drift"), drift_stage.DRIFT_COLUMNS, rows)
 
 

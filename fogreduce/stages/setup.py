@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fogreduce
+from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest
 from fogreduce.constants import MANIFEST_SCHEMA, MICROSECONDS_PER_SECOND
 from fogreduce.datasets.logs import TableLog, read_table_log
 from fogreduce.datasets.store import Storage
@@ -49,12 +50,20 @@ class Setup:
             manifest = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise BadInput.at(path, "", found="no such file", expected="the run's manifest") from None
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             found = getattr(error, "strerror", None) or str(error)
             raise BadInput.at(path, "", found=found, expected="the run's manifest") from None
         schema = manifest.get("schema") if isinstance(manifest, dict) else type(manifest).__name__
         if schema != MANIFEST_SCHEMA:
             raise BadInput.at(path, "schema", found=schema, expected=MANIFEST_SCHEMA)
+        body = {key: value for key, value in manifest.items() if key != "version_id"}
+        try:
+            derived = data_digest(body)[:VERSION_ID_DIGITS]
+        except ValueError:  # NaN or infinity, which no manifest has
+            derived = ""
+        if (stated := manifest.get("version_id")) != derived:
+            expected = f"{derived or 'another'}, derived from what the manifest says"
+            raise BadInput.at(path, "version_id", found=stated, expected=expected)
         return cls(manifest, out)
 
     @cached_property
