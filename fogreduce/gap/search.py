@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.bundles import Bundles
 from fogreduce.gap.candidates import Builder, Candidate
 from fogreduce.gap.causes import Cause
@@ -37,6 +38,7 @@ _FAMILIES = 12.0
 SHAPE_DOUBT = 0.08
 #: The same where a temperature drives it: a coil lags behind its sensor.
 WARM_DOUBT = 0.15
+_IMPOSSIBLE = 50.0  # ln of odds against what cannot be
 _GROSS = 150.0  # signal-to-noise ratio from which a cause goes into the chain before others are looked for
 
 
@@ -249,6 +251,8 @@ class Search:
         c = fit.candidate
         k = c.columns.shape[2]
         log_b = fit.log_b if c.fixed else self._doubted(fit.log_b, fit.q, k, state, c.channels)
+        if _beyond(fit):
+            log_b = min(log_b, -_IMPOSSIBLE)
         return Option(fit, None, log_b, _log_prior(c.known, c.share), fit.log_b)
 
     def _doubted(self, log_b: float, q: float, k: int, state: State, channels: Sequence[str]) -> float:
@@ -354,6 +358,16 @@ class Search:
                 change += best.score - now.score
                 state = self.state([*others[:k], best.cause(), *others[k:]], state.ground)
         return state, change
+
+
+def _beyond(fit: Fit) -> bool:
+    """Whether an effect would need a number that it does not accept, as a scale factor less than nothing."""
+    c = fit.candidate
+    if not c.known or c.fixed:
+        return False
+    values = dict(zip(c.scales, (fit.coefficients * c.steps[fit.best]).tolist(), strict=False))
+    limits = {p.name: (p.low, p.high) for p in EFFECTS[c.effect].parameters if p.kind == "number"}
+    return any(not limits[k][0] <= v <= limits[k][1] for k, v in values.items() if k in limits)
 
 
 def _log_prior(known: bool, share: float) -> float:

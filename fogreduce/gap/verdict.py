@@ -152,10 +152,20 @@ def _named(search: Search, state: State, k: int, first: list[Option]) -> Named:
     if own is None:
         return Named(k, 0.5, 0.5, ())
     most = _MOST_ONE if len(search.data.inputs) == 1 else _MOST_MANY
-    rivals = [(o, p) for o, p in chances if o.score > chances[0][0].score - _RIVAL][:most]
-    if all(o is not own[0] for o, _ in rivals):
+    rivals = _once([(o, p) for o, p in chances if o.score > chances[0][0].score - _RIVAL])[:most]
+    if all(o.key[:3] != own[0].key[:3] for o, _ in rivals):
         rivals = [own, *rivals][:most]
     return Named(k, own[1], min(sum(p for _, p in rivals), 1.0), tuple(rivals))
+
+
+def _once(rivals: list[tuple[Option, float]]) -> list[tuple[Option, float]]:
+    """Each effect at each place once: another gyro that a crosstalk may come from makes no other rival."""
+    out: dict[object, tuple[Option, float]] = {}
+    for option, chance in rivals:
+        place = option.key if option.key[0] == "channel_swap" else option.key[:3]
+        first = out.get(place)
+        out[place] = (first[0], first[1] + chance) if first else (option, chance)
+    return sorted(out.values(), key=lambda x: -x[1])
 
 
 def _same(option: Option, key: tuple[object, ...]) -> bool:
