@@ -97,8 +97,11 @@ def places(
     here = field
     for _ in range(_MOST):
         top: Place | None = None
+        whole = 1.001 * here.chi2 + 1.0
         for fit in families.fits(here):
             family = fit.candidate
+            if fit.q > whole:
+                continue  # more than is there: columns nearly alike, whose sizes rounding decides
             k = family.columns.shape[2]
             q = max(np.sqrt(max(fit.q, 0.0)) - doubt, 0.0) ** 2
             sigma = significance(q, k, _TRIALS * family.columns.shape[1])
