@@ -45,7 +45,12 @@ def families(
     allowed : names of effects
         A family that is just what one of them does has little prior of its own.
     """
-    return [*_of_gyros(inputs, whiten, plain, allowed), *of_table(inputs, whiten, allowed)]
+    turning = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
+    return [
+        *_of_gyros(inputs, whiten, plain, allowed),
+        *(_exchanges(inputs, whiten, plain, allowed) if turning else ()),
+        *of_table(inputs, whiten, allowed),
+    ]
 
 
 def _of_gyros(
@@ -88,6 +93,7 @@ def _of_gyros(
             plainly[key] = memories(blocks)
         return plainly[key]
 
+    motion = [(np.linalg.pinv(inputs[0].facts.axes) @ p).T for p in plain]
     for i in range(rows.n):
         name, here, share = (gyro_name(i),), rows.of(i), 1.0 / rows.n
 
@@ -122,6 +128,12 @@ def _of_gyros(
             every = whiten(_diagonal([modes(c, 1, _MODES) for c in rows.counts]), here)[:, None, :]
             yield family(name, here, every, "low_frequency", "gyro", share=share)
         reading = [p[i] / SECONDS_PER_HOUR / 10.0 for p in plain]
+        if len(plain[0]) >= 3:
+            # an axis of any direction and length
+            own = share * lessened("axis_misalignment", allowed)
+            yield family(name, here, white(motion)[:, None, :], "rate", "gyro", share=own)
+        drifting = white([t * m[:, None] for t, m in zip(trend, reading, strict=True)])
+        yield family(name, here, drifting[:, None, :], "drift", "gyro", share=0.5 * share)
         if bumps := _bumps(reading):
             yield family(name, here, white(bumps)[:, None, :], "rate", "gyro", share=share)
         if any(turning):
@@ -151,6 +163,22 @@ def _of_gyros(
                 if any(np.any(h) for h in hot):
                     own = share * lessened(_HEATS[k], allowed)
                     yield family(name, here, white(hot)[:, None, :], "temperature", "gyro", share=own)
+
+
+def _exchanges(
+    inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array], allowed: frozenset[str]
+) -> Iterator[Candidate]:
+    """Two gyros, each with some of what the other reads less its own."""
+    rows = whiten.rows
+    pairs = [(i, j) for i in range(rows.n) for j in range(i + 1, rows.n)]
+    share = lessened("channel_swap", allowed) / max(len(pairs), 1)
+    for i, j in pairs:
+        both = slice(rows.of(i).start, rows.of(j).stop)
+        apart = np.concatenate([p[j] - p[i] for p in plain])
+        columns = np.zeros((both.stop - both.start, 2))
+        columns[: rows.per_gyro, 0], columns[-rows.per_gyro :, 1] = apart, apart
+        name = (gyro_name(i), gyro_name(j))
+        yield family(name, both, whiten(columns, both)[:, None, :], "rate", "gyro", share=share)
 
 
 def _bumps(reading: Sequence[Array]) -> list[Array]:

@@ -16,6 +16,7 @@ from fogreduce.physics.frames import across, turn_about_axis
 Array = NDArray[np.float64]
 
 _TREND = 4
+_AFTER = 4  # blocks in which a jump of the rate may show
 
 
 def of_table(inputs: Sequence[RunInput], whiten: Whitener, allowed: frozenset[str]) -> Iterator[Candidate]:
@@ -38,6 +39,14 @@ def of_table(inputs: Sequence[RunInput], whiten: Whitener, allowed: frozenset[st
     if any(np.any(r) for r in rates):
         own = lessened("table_rate_error", allowed)
         yield family(table, everything, rotation(rates, axes)[:, None, :], "rate", "table", share=own)
+        # what happens where the rate jumps, and just after
+        edges = rotation([_edges(one) for one in inputs], axes)
+        own = lessened("start_offset", allowed)
+        yield family(table, everything, edges[:, None, :], "rate", "table", share=own)
+        # a table's axis that is tipped, the same way in every run
+        tips = [rotation(rates, [np.cross(np.eye(3)[k], axis) for axis in axes]) for k in range(3)]
+        own = lessened("mount_rotation", allowed)
+        yield family(table, everything, np.column_stack(tips)[:, None, :], "rate", "table", share=own)
         waves = [
             waves_of_angle(one, bool(np.any(one.facts.profile.rate_deg_s != 0.0))) * np.sign(r.sum() or 1.0)
             for one, r in zip(inputs, rates, strict=True)
@@ -66,6 +75,20 @@ def of_table(inputs: Sequence[RunInput], whiten: Whitener, allowed: frozenset[st
     yield family(table, everything, whiten(fixed)[:, None, :], "mean", "table", share=own)
     drifting = rotation([modes(c, 1, _TREND) for c in counts], axes)
     yield family(table, everything, drifting[:, None, :], "drift", "table")
+
+
+def _edges(one: RunInput) -> Array:
+    """The jumps of the table's rate, each in its block and in the next ones, (blocks, _AFTER)."""
+    profile, blocks = one.facts.profile, one.scene.blocks
+    shape = np.zeros((blocks.count, _AFTER))
+    for edge in np.unique(np.append(profile.edges_s, 0.0)).tolist():
+        beside = np.array([edge - 1e-6, edge + 1e-6])
+        before, after = profile.rate_at(beside).tolist()
+        jump = after - (before if edge > 0.0 else 0.0)
+        first = int(edge / blocks.length_s + 1e-9)
+        for j in range(min(_AFTER, blocks.count - first)):
+            shape[first + j, j] += jump
+    return shape
 
 
 def _fixed_in_room(inputs: Sequence[RunInput], enu: Array, n: int) -> Array:

@@ -13,7 +13,7 @@ from fogreduce.gap.families import families
 from fogreduce.gap.noise_model import Whitener, whitener
 
 Array = NDArray[np.float64]
-NAMES = frozenset({"latitude_error", "heading_error", "bias_step", "table_rate_error"})
+NAMES = frozenset({"latitude_error", "mount_rotation", "heading_error", "bias_step", "table_rate_error"})
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +48,16 @@ def test_a_site_that_is_off_is_a_rotation_fixed_in_the_room(
     known = next(one for one in builder.all() if one.effect == effect)
     found = [f for f in families(inputs, whiten, builder.plain, NAMES) if f.channels == ("table",)]
     assert min(_left(known.columns[:, 0, 0], f) for f in found) < 1e-3
+
+
+def test_a_unit_set_askew_is_an_axis_tipped_in_every_run(
+    ground: tuple[list[RunInput], Whitener, Builder],
+) -> None:
+    inputs, whiten, builder = ground
+    known = next(one for one in builder.all() if one.effect == "mount_rotation")
+    found = [f for f in families(inputs, whiten, builder.plain, NAMES) if f.channels == ("table",)]
+    for k in range(3):
+        assert min(_left(known.columns[:, 0, k], f) for f in found) < 0.01
 
 
 def test_a_step_is_among_the_families_of_its_run(
