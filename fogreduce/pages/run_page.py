@@ -75,7 +75,7 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "rate_fit": _fit_rows(table(folder, "rate_fit", version), "axis", "deg_s", "deg_s2"),
         "gyro_fit": _fit_rows(table(folder, "gyro_fit", version), "gyro", "V", "V_s"),
         "noise": seen["noise"],
-        "encoder": table(folder, "encoder", version),
+        "encoder": _encoder_rows(table(folder, "encoder", version)),
         "figures": figures,
         "linked": linked,
         "left_out": left_out,
@@ -172,6 +172,20 @@ def _fit_rows(rows: list[Row], name: str, unit: str, slope: str) -> list[list[st
             cells.append(concise(real(row[f"{letter}_{of}"]), error))
         out.append([*cells, number(real(row[f"sigma_{unit}"]), 3), row["records"]])
     return out
+
+
+def _encoder_rows(rows: list[Row]) -> list[list[str]]:
+    """Segment, commanded rate, rate and lag by the encoder with errors, ripple."""
+    return [
+        [
+            row["segment"],
+            number(real(row["commanded_deg_s"]), 9),
+            plus_minus(real(row["rate_deg_s"]), real(row["rate_err_deg_s"])),
+            plus_minus(real(row["lag_s"]), real(row["lag_err_s"])),
+            number(real(row["ripple_deg"]), 3),
+        ]
+        for row in rows
+    ]
 
 
 def _places(folder: Path, version: str) -> list[dict[str, str]]:

@@ -6,8 +6,8 @@ from pathlib import Path
 import html_checks
 import pytest
 from browser import chromium, evaluate, needs_browser, usable_ms
-from conftest import HOSTILE, succeed
 from many_runs import many_runs
+from pages_lab import HOSTILE, succeed
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,8 @@
 import html_checks
 import pytest
 from browser import evaluate, needs_browser
-from conftest import HOSTILE, succeed
 from many_runs import many_runs
+from pages_lab import HOSTILE, succeed
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import html_checks
 import pytest
+from pages_lab import RECORD, run_yaml, succeed
 
 from fogreduce.cli.main import main
+from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.pages import run_page as module
 from fogreduce.pages.overview import kept_overview, overview
 
@@ -118,3 +120,27 @@ def test_a_run_without_its_tables_is_refused_by_name(lab, tmp_path, capsys) -> N
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "drift.csv: found no such file; expected a table of the reduction" in error
+
+
+def test_a_unit_of_two_gyros_has_a_page_without_drift(tmp_path) -> None:
+    record = {key: value for key, value in RECORD.items() if key != "H"}
+    record |= {"axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]}
+    record |= {key: record[key][:2] for key in ("scale_factor_V_per_deg_s", "bias_V")}
+    (tmp_path / "calibrations" / "TETRA-01").mkdir(parents=True)
+    (tmp_path / "calibrations" / "TETRA-01" / "2012a.yaml").write_text(dump_yaml(record))
+    plan = tmp_path / "plan" / "runs" / "r1"
+    plan.mkdir(parents=True)
+    described = run_yaml("r1", 10.0)
+    described["capture"]["polarity"] = [1, -1]
+    (plan / "run.yaml").write_text(dump_yaml(described))
+    calibrations, out = ("--calibrations", tmp_path / "calibrations"), tmp_path / "results" / "lab" / "r1"
+    succeed("simulate", tmp_path / "plan", *calibrations, "--out", tmp_path / "lab")
+    succeed("reduce", tmp_path / "lab" / "runs" / "r1", *calibrations, "--out", out)
+    succeed("page", "run", out)
+    page = html_checks.check((out / "index.html").read_text(), scripts=0)
+    assert "no x, y, z, so no drift" in page.words
+    succeed("page", "campaign", out.parent)
+    page = html_checks.check((out.parent / "index.html").read_text(), scripts=1)
+    assert [attrs["aria-label"][:5] for attrs in page.all("svg")] == ["Noise"]
+    succeed("page", "index", out.parent.parent)
+    html_checks.check((out.parent.parent / "index.html").read_text(), scripts=0)

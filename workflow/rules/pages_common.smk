@@ -31,6 +31,10 @@ def pages_of_failures():
         return
     with open(f"{SUMMARY}/failed.csv", newline="") as file:
         failed = {row["campaign"] for row in csv.DictReader(file)}
+    # Those too that wait for a figure, a run's page or a diagnosis that failed.
+    pages = [(name, f"{RESULTS}/{name}/index.html") for name in CAMPAIGNS]
+    pages += [(name, f"{RESULTS}/{name}/{run}/index.html") for name, run in RUNS]
+    failed |= {name for name, page in pages if not os.path.exists(page)}
     pages = [("campaign", Path(RESULTS) / campaign) for campaign in sorted(failed)]
     for of, folder in [*pages, ("index", Path(RESULTS))]:
         if not folder.is_dir():
