@@ -27,7 +27,7 @@ class Fault:
 
     def __str__(self) -> str:
         place = f"{self.file}: {self.where}" if self.where else self.file
-        text = f"{place}: found {self.found}; expected {self.expected}"
+        text = f"{place}: found {self.found.strip() or 'nothing'}; expected {self.expected}"
         # On one line, and nothing in it that a terminal would obey: names and bytes come from anywhere.
         text = " ".join(text.split())
         return text if text.isprintable() else "".join(map(_shown, text))

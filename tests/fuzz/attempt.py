@@ -54,7 +54,7 @@ def warm(commands: Sequence[Command]) -> None:
     """Run commands in this process, so that those forked from it need import nothing."""
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         for command in commands:
-            assert _called(command) == 0
+            assert called(command) == 0
 
 
 def attempt(command: Command) -> Outcome:
@@ -96,7 +96,7 @@ def _run(command: Command, out: int, err: int) -> None:
             (resource.RLIMIT_CORE, 0),
         ):
             resource.setrlimit(kind, (limit, limit))
-        status = _called(command)
+        status = called(command)
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else 1
     except BaseException:
@@ -107,7 +107,8 @@ def _run(command: Command, out: int, err: int) -> None:
         os._exit(status)
 
 
-def _called(command: Command) -> int:
+def called(command: Command) -> int:
+    """The exit status of a command called in this process."""
     if not callable(command):
         return main(command)
     try:

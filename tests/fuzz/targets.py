@@ -121,10 +121,10 @@ def _edited(where: Callable[[FuzzLab], Path], edits: Any, forbidden: Forbidden =
     return lambda lab: edited(lab.good[where(lab)], edits).map(_judged(forbidden))
 
 
-def _yaml(where: Callable[[FuzzLab], Path], data: dict[str, Any], rule: contract_yaml.Rule) -> Any:
+def _yaml(where: Callable[[FuzzLab], Path], data: dict[str, Any], forbidden: Forbidden) -> Any:
     def spoil(lab: FuzzLab) -> Any:
         both = edited(lab.good[where(lab)], TEXT_EDITS) | revalued(data)
-        return both.map(_judged(lambda made: contract_yaml.forbidden(made, rule)))
+        return both.map(_judged(forbidden))
 
     return spoil
 
@@ -192,52 +192,64 @@ def _bag(lab: FuzzLab) -> list[Command]:
     return [lambda: look_at([_dataset("ingest")(lab)])]
 
 
+#: What the contract forbids in the bytes of a file, for the kinds of which it says so.
+FORBIDDEN: dict[str, Forbidden] = {
+    "fogcap-1": lambda data: contract.fogcap(data, **FOGCAP),
+    "csv-1": lambda data: contract.csv_capture(data, GYROS),
+    "run.yaml": lambda data: contract_yaml.forbidden(data, contract_yaml.run(GYROS)),
+    "campaign.yaml": lambda data: contract_yaml.forbidden(data, contract_yaml.campaign),
+    "calibration record": lambda data: contract_yaml.forbidden(data, contract_yaml.calibration(GYROS)),
+    "temperature log": contract.temperatures,
+    "encoder log": contract.table_log,
+    "effects file": lambda data: contract_yaml.forbidden(data, contract_yaml.effects),
+}
+
 TARGETS: dict[str, Target] = {
     "fogcap-1": Target(
         lambda lab: lab.capture,
-        _edited(lambda lab: lab.capture, BYTE_EDITS, lambda data: contract.fogcap(data, **FOGCAP)),
+        _edited(lambda lab: lab.capture, BYTE_EDITS, FORBIDDEN["fogcap-1"]),
         _reduce,
         weight=3,
         accepted=_counted,
     ),
     "csv-1": Target(
         lambda lab: lab.csv,
-        _edited(lambda lab: lab.csv, TEXT_EDITS, lambda data: contract.csv_capture(data, GYROS)),
+        _edited(lambda lab: lab.csv, TEXT_EDITS, FORBIDDEN["csv-1"]),
         lambda lab: [lab.reduce()],
         weight=2,
         prepare=lambda lab: lab.use_csv(),
     ),
     "run.yaml": Target(
         lambda lab: lab.yaml,
-        _yaml(lambda lab: lab.yaml, RUN_DATA, contract_yaml.run(GYROS)),
+        _yaml(lambda lab: lab.yaml, RUN_DATA, FORBIDDEN["run.yaml"]),
         _reduce,
         weight=3,
     ),
     "campaign.yaml": Target(
         lambda lab: lab.campaign / "campaign.yaml",
-        _yaml(lambda lab: lab.campaign / "campaign.yaml", CAMPAIGN_DATA, contract_yaml.campaign),
+        _yaml(lambda lab: lab.campaign / "campaign.yaml", CAMPAIGN_DATA, FORBIDDEN["campaign.yaml"]),
         lambda lab: [lab.check(lab.campaign), lab.simulate()],
         weight=2,
     ),
     "calibration record": Target(
         lambda lab: lab.record,
-        _yaml(lambda lab: lab.record, RECORD_DATA, contract_yaml.calibration(GYROS)),
+        _yaml(lambda lab: lab.record, RECORD_DATA, FORBIDDEN["calibration record"]),
         _reduce,
         weight=3,
     ),
     "temperature log": Target(
         lambda lab: lab.run / "temperature.csv",
-        _edited(lambda lab: lab.run / "temperature.csv", TEXT_EDITS, contract.temperatures),
+        _edited(lambda lab: lab.run / "temperature.csv", TEXT_EDITS, FORBIDDEN["temperature log"]),
         _reduce,
     ),
     "encoder log": Target(
         lambda lab: lab.run / "table.csv",
-        _edited(lambda lab: lab.run / "table.csv", TEXT_EDITS, contract.table_log),
+        _edited(lambda lab: lab.run / "table.csv", TEXT_EDITS, FORBIDDEN["encoder log"]),
         _with_encoder,
     ),
     "effects file": Target(
         lambda lab: lab.effects,
-        _yaml(lambda lab: lab.effects, EFFECTS_DATA, contract_yaml.effects),
+        _yaml(lambda lab: lab.effects, EFFECTS_DATA, FORBIDDEN["effects file"]),
         _effects_commands,
         weight=2,
     ),

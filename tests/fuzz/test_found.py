@@ -92,6 +92,16 @@ def test_an_error_holds_nothing_that_a_terminal_obeys():
     assert said.encode()
 
 
+@pytest.mark.parametrize("line", ["", "   "])
+def test_an_empty_line_in_a_log(fuzz_lab, capsys, line):
+    """What was found is said in a word, though it is nothing."""
+    path = fuzz_lab.run / "table.csv"
+    path.write_text(f"time_s,angle_deg\n0,0\n{line}\n")
+    assert main(fuzz_lab.check(fuzz_lab.run)) == 2
+    assert capsys.readouterr().err == f"{path}: line 3: found nothing; expected 2 finite numbers\n"
+    fuzz_lab.mend(path)
+
+
 def test_a_dataset_of_no_records(fuzz_lab, capsys):
     path = fuzz_lab.reduced / "datasets" / "bins.nc"
     held = io.BytesIO(fuzz_lab.good[path])
