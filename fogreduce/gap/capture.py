@@ -28,6 +28,11 @@ from fogreduce.stages.ingest import Ingest
 Array = NDArray[np.float64]
 
 
+#: Sample rate below which a log is slow: a few samples a dwell, no spectrum of noise alone.
+SLOWEST_HZ = 2.0
+_NEAR = 0.1  # of the largest reading predicted at any gyro
+
+
 @dataclass(frozen=True)
 class Samples:
     """Every pulse of a run, at its place; what is not there is NaN.
@@ -131,8 +136,11 @@ def read_samples(one: RunInput, capture: Path | None = None) -> Samples:
         pulse = block.pulse[take]
         time_s = pulse / facts.sample_rate_hz
         measured = one.scene.rates(block.volts[:, take].copy())
-        values = measured - one.scene.decoded(time_s)
+        predicted = one.scene.decoded(time_s)
+        values = measured - predicted
         flag = block.gyro_flag[:, take]
+        if facts.sample_rate_hz < SLOWEST_HZ:
+            flag = np.where(_as_predicted(values, predicted), flag & ~GyroFlag.SPURIOUS, flag)
         values[flag != 0] = np.nan
         residual[:, pulse] = values
         if block.counts is not None:
@@ -144,6 +152,15 @@ def read_samples(one: RunInput, capture: Path | None = None) -> Samples:
         missing[:, pulse] = (flag & GyroFlag.MISSING) != 0
         stamp[pulse] = block.time_us[take] / 1e6
     return Samples(residual, counts, spurious, missing, int(np.isnan(stamp).sum()), stamp)
+
+
+def _as_predicted(departure: Array, predicted: Array) -> NDArray[np.bool_]:
+    """Whether samples (n, N) of a slow log are near what the table's profile makes them.
+
+    A dwell of a few samples looks like a burst of spurious counts to who does not know the profile.
+    """
+    largest = np.max(np.abs(predicted), initial=0.0)
+    return np.asarray(np.abs(departure) <= _NEAR * largest)
 
 
 def block_residual(samples: Samples, blocks: Blocks, sample_rate_hz: float) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.table import EFFECTS
-from fogreduce.gap.capture import RunInput, Samples, block_residual, read_inputs, read_samples
+from fogreduce.gap.capture import SLOWEST_HZ, RunInput, Samples, block_residual, read_inputs, read_samples
 from fogreduce.gap.converter import Codes, codes
 from fogreduce.gap.full_rate import FullRate, full_rate
 from fogreduce.gap.link import zero_bits
@@ -102,6 +102,8 @@ def read_data(
 def _codes(one: RunInput, samples: Samples, run: FullRate) -> list[Codes | None]:
     """Cells of each gyro's voltages; none where its converter rests."""
     facts = one.facts
+    if facts.sample_rate_hz < SLOWEST_HZ:
+        return [None] * facts.n_gyros
     second = max(int(facts.sample_rate_hz), 16)
     middle = np.arange(len(samples.stamp_s) // second, dtype=np.float64) + 0.5
     seconds: Array = middle * (second / facts.sample_rate_hz)

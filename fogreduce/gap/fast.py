@@ -44,7 +44,8 @@ class Fast:
             *stamp_findings(data.full, allowed),
             *converter_findings(data.codes, n, allowed),
         ]
-        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, data.bits.astype(float))
+        bits, colour = data.bits.astype(float), self._colour()
+        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, *colour)
         whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
         self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3)
         self._known_lines: dict[tuple[float, ...], list[Finding]] = {}
@@ -55,10 +56,15 @@ class Fast:
                 hz = line.parameters["frequency_hz"][0] if line.parameters else 0.0
                 for i in range(n):
                     spoiled[i].append(float(hz))
-        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, data.bits.astype(float))
+        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, *colour)
         self.held = [self._held_by_repeats(i) for i in range(n)]
         self.level = self._low_level()
         self._cache: dict[object, list[Finding]] = {}
+
+    def _colour(self) -> tuple[Array, Array]:
+        """Flicker and random walk as the record states them, (n,) each."""
+        noise = self.data.inputs[0].record.stated_noise
+        return np.array(noise.bias_instability_deg_h), np.array(noise.rate_random_walk_deg_h_sqrt_h)
 
     def _low_level(self) -> Array:
         """Level of the lowest quarter of the spectrum; a filter leaves block means as they are."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.constants import MISSING_COUNT
-from fogreduce.gap.capture import Samples
+from fogreduce.gap.capture import SLOWEST_HZ, Samples
 from fogreduce.metadata.facts import RunFacts
 
 Array = NDArray[np.float64]
@@ -96,13 +96,13 @@ def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator)
     """
     good = np.isfinite(samples.residual)
     filled = _filled(samples.residual, good, generator)
-    pieces, frequency, power, cross = _spectrum(filled)
+    pieces, frequency, power, cross = _spectrum(filled, facts.sample_rate_hz)
     line_hz, lines = _lines(filled, facts.sample_rate_hz)
     pairs, repeats = _repeats(samples.counts, good)
     ppm, ppm_std, scatter, bend = _stamps(samples.stamp_s, facts.sample_rate_hz)
     stated = np.ones(len(good)) if facts.white_noise is None else facts.white_noise
-    level = np.sqrt(np.median(power, axis=1)) if power.size else np.ones(len(good))
     nominal = stated * 60.0 * np.sqrt(facts.sample_rate_hz)
+    level = np.sqrt(np.median(power, axis=1)) if power.size else nominal
     return FullRate(
         run_id=facts.run_id,
         samples=good.sum(axis=1).astype(float),
@@ -143,10 +143,10 @@ def _filled(residual: Array, good: NDArray[np.bool_], generator: np.random.Gener
     return filled
 
 
-def _spectrum(filled: Array) -> tuple[int, Array, Array, Array]:
+def _spectrum(filled: Array, rate_hz: float) -> tuple[int, Array, Array, Array]:
     n, size = filled.shape
     length = min(PIECE, size // 4)
-    if length < 16:
+    if length < 16 or rate_hz < SLOWEST_HZ:
         return 0, np.zeros(0), np.zeros((n, 0)), np.zeros((0, n, n))
     pieces = size // length
     cut = filled[:, : pieces * length].reshape(n, pieces, length)
@@ -181,7 +181,7 @@ def _lines(filled: Array, rate_hz: float) -> tuple[Array, NDArray[np.complex128]
     frequency = np.asarray(np.fft.rfftfreq(padded, 1.0 / rate_hz), np.float64)
     # the lines that are kept lie side by side
     low = int(np.searchsorted(frequency, 2.0 * LEAST_LINE_HZ, side="left"))
-    high = int(np.searchsorted(frequency, 0.49 * rate_hz, side="right"))
+    high = max(int(np.searchsorted(frequency, 0.49 * rate_hz, side="right")), low)
     lines = np.empty((n, high - low), complex)
     for row, values in zip(lines, filled, strict=True):
         cut = values[:whole].reshape(-1, second).copy()

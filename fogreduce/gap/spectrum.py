@@ -75,6 +75,8 @@ def levels(
     stated: Array,
     spoiled_hz: Sequence[Sequence[float]],
     bits: Array,
+    flicker: Array,
+    walk: Array,
 ) -> Levels | None:
     """Averages over runs; None where runs are too short for a spectrum.
 
@@ -89,6 +91,8 @@ def levels(
         Frequencies of lines, to be left out.
     bits : (n,) array
         Bits that are always 0, whose rounding adds noise.
+    flicker, walk : (n,) arrays
+        B [deg/h] and K [deg/h/sqrt(h)] of the record.
     """
     usable = [run for run in runs if run.pieces > 0 and len(run.frequency) == len(runs[0].frequency)]
     if not usable:
@@ -96,7 +100,11 @@ def levels(
     frequency, n = usable[0].frequency, facts.n_gyros
     white = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in stated]) * SECONDS_PER_HOUR
     quantum = facts.volts_per_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
-    expected = white**2 + quantum**2 / 12.0
+    # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
+    spectral = frequency * facts.sample_rate_hz
+    drifting = flicker[:, None] ** 2 / (np.pi * spectral)
+    drifting += 2.0 * walk[:, None] ** 2 / (SECONDS_PER_HOUR * (2.0 * np.pi * spectral) ** 2)
+    expected = (white**2 + quantum**2 / 12.0)[:, None] + 0.5 * facts.sample_rate_hz * drifting
     power, pieces = np.zeros((n, len(frequency))), np.zeros(n)
     cross = np.zeros((len(frequency), n, n))
     for run in usable:
@@ -104,7 +112,7 @@ def levels(
         power[awake] += run.pieces * run.power[awake]
         pieces += run.pieces * awake
         cross += run.pieces * run.cross * np.outer(awake, awake)
-    ratio = power / np.maximum(pieces, 1.0)[:, None] / expected[:, None]
+    ratio = power / np.maximum(pieces, 1.0)[:, None] / expected
     keep = np.ones((n, len(frequency)), bool)
     width = 1.6 * (frequency[1] - frequency[0])
     for i, lines in enumerate(spoiled_hz):

@@ -1,0 +1,94 @@
+"""Units of one and two gyros, and logs with a sample every few seconds: what is said, what is left out."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from bench_lab import AXES, ONE_GYRO, RECORD, diagnosed, simulated
+
+from fogreduce.cli.main import main
+from fogreduce.metadata.yaml12 import dump_yaml
+
+TWO = {
+    **{k: v for k, v in RECORD.items() if k != "H"},
+    "axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+    "scale_factor_V_per_deg_s": [0.075, 0.08],
+    "bias_V": [1e-4, -2e-4],
+    "uncertainty": {k: v[:2] for k, v in RECORD["uncertainty"].items()},
+    "noise": {k: v[:2] for k, v in RECORD["noise"].items()},
+}
+TURNS = [("x", [(10.0, 120.0)]), ("x", [(-10.0, 120.0)]), ("y", [(10.0, 120.0)]), ("x", [(0.0, 120.0)])]
+DWELLS = [(0.0, 300.0), (3.0, 30.0)] * 4 + [(0.0, 300.0)]
+SLOW = [("x", DWELLS), ("y", [(-rate, seconds) for rate, seconds in DWELLS])]
+
+
+def bench(root, record: dict, runs: list, rate_hz: float, effects: list[dict]):
+    """A campaign of runs with any profile, simulated; csv-1 where it is slow."""
+    (root / "cal" / "U").mkdir(parents=True)
+    (root / "cal" / "U" / "1.yaml").write_text(dump_yaml(record))
+    slow = rate_hz < 1.0
+    for k, (axis, profile) in enumerate(runs):
+        folder = root / "plan" / "runs" / f"r{k}"
+        folder.mkdir(parents=True)
+        run = {
+            "schema": "fogreduce/run/1",
+            "run_id": f"r{k}",
+            "unit": "U",
+            "started_at": "2014-05-12T13:00:00Z",
+            "site": {"latitude_deg": -23.2},
+            "table": {"axis": axis, "profile": [{"rate_deg_s": r, "duration_s": s} for r, s in profile]},
+            "orientation": AXES[axis],
+            "capture": {
+                "file": "capture.csv" if slow else "capture.fogcap",
+                "format": "csv-1" if slow else "fogcap-1",
+                "sample_rate_hz": rate_hz,
+                "volts_per_count": 1e-7,
+                "polarity": [1] * len(record["bias_V"]),
+            },
+            "calibration": "U@1",
+        }
+        (folder / "run.yaml").write_text(dump_yaml(run))
+    return simulated(root, effects, "bench", 3)
+
+
+def ramp(deg_h_per_h: float) -> dict[str, Any]:
+    return {
+        "effect": "bias_ramp", "channels": ["gyro1"], "runs": ["*"],
+        "parameters": {"deg_h_per_h": deg_h_per_h},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("record", "runs", "rate_hz"),
+    [(ONE_GYRO, TURNS, 64.0), (TWO, TURNS, 64.0), (RECORD, SLOW, 0.2), (ONE_GYRO, SLOW[:1], 0.2)],
+)
+def test_nothing_wrong_is_no_gap_and_a_ramp_is_found(tmp_path, record, runs, rate_hz) -> None:
+    nothing = diagnosed(tmp_path / "a", bench(tmp_path / "a", record, runs, rate_hz, []))
+    assert nothing["verdict"] == "no_gap"
+    found = diagnosed(tmp_path / "b", bench(tmp_path / "b", record, runs, rate_hz, [ramp(100.0)]))
+    assert found["verdict"] == "explained"
+    (cause,) = found["causes"]
+    assert ("bias_ramp", ["gyro1"]) in [(m["effect"], m["channels"]) for m in cause["group"]]
+    page = (tmp_path / "b" / "out-bench" / "index.html").read_text()
+    assert ("has no x, y and z" in page) == (len(record["bias_V"]) < 3)
+    assert ("Too few samples for a spectrum" in page) == (rate_hz < 1.0)
+
+
+def test_a_dwell_of_a_few_samples_is_no_burst_of_spikes(tmp_path) -> None:
+    error = {
+        "effect": "scale_factor_error", "channels": ["gyro1"], "runs": ["*"], "parameters": {"ppm": 2000.0}
+    }  # fmt: skip
+    found = diagnosed(tmp_path, bench(tmp_path, TWO, SLOW, 0.2, [error]))
+    assert found["verdict"] == "explained"
+    assert found["causes"][0]["effect"] == "scale_factor_error"
+
+
+@pytest.mark.parametrize("seconds", [100.0, 300.0, 1700.0])
+def test_the_shortest_of_logs(tmp_path, seconds) -> None:
+    found = diagnosed(tmp_path, bench(tmp_path, ONE_GYRO, [("x", [(0.0, seconds)])], 0.01, []))
+    assert found["verdict"] == "no_gap"
+    arguments = ["--calibrations", str(tmp_path / "cal"), "--detectable", "--out", str(tmp_path / "out")]
+    assert main(["diagnose", str(tmp_path / "plan"), *arguments]) == 0
+    assert json.loads((tmp_path / "out" / "detectable.json").read_text())["effects"]
