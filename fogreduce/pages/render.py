@@ -6,18 +6,13 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from fogreduce.pages import numbers
-
-_TEMPLATES = Path(__file__).parent / "templates"
-
-#: What a page may load: pictures that stand in it, its own style, its own script (by its hash); nothing else.
-_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src {}; base-uri 'none'"
+from fogreduce.pages.style import TEMPLATES, policy, style
 
 
 @dataclass(frozen=True)
@@ -30,7 +25,7 @@ class Crumb:
 
 def _environment() -> Environment:
     environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
+        loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -76,14 +71,14 @@ def page(
     script : str or None
         File of the script in the folder ``templates``.
     """
-    code = (_TEMPLATES / script).read_text(encoding="utf-8") if script else ""
+    code = (TEMPLATES / script).read_text(encoding="utf-8") if script else ""
     allowed = f"'sha256-{b64encode(sha256(code.encode()).digest()).decode()}'" if code else "'none'"
     shared = {
         "title": title,
         "crumbs": crumbs,
         "label": label,
-        "policy": _POLICY.format(allowed),
-        "style": Markup((_TEMPLATES / "style.css").read_text(encoding="utf-8")),
+        "policy": policy(allowed),
+        "style": Markup(style()),
         "script": Markup(code),
     }
     return _environment().get_template(template).render({**shared, **context})
