@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from fogreduce.cli.alone import WORKFLOW, hold
+from fogreduce.warm.scheduler import lighten
 from fogreduce.warm.start import start
 
 # The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
@@ -45,6 +46,8 @@ rule all:
 onstart:
     # Jobs are served by one warm process; without it each starts from cold, with the same results.
     start()
+    if workflow.local_exec:
+        lighten(workflow.scheduler)
 
 
 onerror:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import platform
 import sys
 from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, TypeGuard
 
 _LIBRARIES = ("h5py", "matplotlib", "numpy", "pydantic", "pyyaml", "scipy", "snakemake", "xarray")
 
 
+@cache
 def machine() -> dict[str, Any]:
     """The kind of machine this is.
 

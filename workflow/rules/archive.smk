@@ -11,12 +11,10 @@ rule checksums:
         run_file("outputs.json"),
     log:
         run_file("logs/checksums.log"),
-    benchmark:
-        run_file("benchmarks/checksums.tsv")
     params:
         edited=edited_outputs("checksums"),
         code=code_digest("fogreduce.archive.outputs", "fogreduce.archive.versions"),
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce checksums {params.out:q} > {log:q} 2>&1"
 

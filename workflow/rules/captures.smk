@@ -10,14 +10,12 @@ rule make_capture:
         directory(f"{MADE}/{{campaign}}/runs/{{run}}"),
     log:
         run_file("logs/capture.log"),
-    benchmark:
-        run_file("benchmarks/capture.tsv")
     params:
         code=code_digest("fogreduce.simulate.campaign", "fogreduce.simulate.plan"),
         lock=LOCK,
-        folder=lambda wildcards: f"{CONFIG.campaigns_dir}/{wildcards.campaign}",
+        folder=f"{CONFIG.campaigns_dir}/{{campaign}}",
         calibrations=CONFIG.calibrations_dir,
-        out=lambda wildcards: f"{MADE}/{wildcards.campaign}",
+        out=f"{MADE}/{{campaign}}",
     shell:
         "fogreduce simulate {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
         " --only-runs {wildcards.run} > {log:q} 2>&1"

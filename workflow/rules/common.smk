@@ -82,11 +82,6 @@ def run_file(name):
     return f"{RUN}/{name}"
 
 
-def run_results(wildcards):
-    """The folder of a run's results."""
-    return f"{RESULTS}/{wildcards.campaign}/{wildcards.run}"
-
-
 def run_folder(wildcards):
     """The folder that holds a run's run.yaml and capture."""
     parent = MADE if wildcards.campaign in MADE_CAMPAIGNS else CONFIG.campaigns_dir

@@ -13,8 +13,6 @@ rule figures:
         directory(run_file("figures")),
     log:
         run_file("logs/figures.log"),
-    benchmark:
-        run_file("benchmarks/figures.tsv")
     params:
         edited=edited_outputs("figures"),
         code=code_digest(
@@ -24,7 +22,7 @@ rule figures:
         ),
         lock=LOCK,
         folder=run_folder,
-        out=run_results,
+        out=RUN,
         formats=",".join(CONFIG.figures.formats),
     shell:
         "fogreduce figures --run {params.folder:q} --out {params.out:q} --formats {params.formats}"

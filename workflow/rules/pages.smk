@@ -13,13 +13,11 @@ rule run_page:
         run_file("reports/overview.json"),
     log:
         run_file("logs/page.log"),
-    benchmark:
-        run_file("benchmarks/page.tsv")
     params:
         edited=edited_outputs("run_page"),
         code=code_digest("fogreduce.pages.overview", "fogreduce.pages.run_page"),
         templates=data_digest(TEMPLATES),
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce page run {params.out:q} > {log:q} 2>&1"
 

@@ -13,15 +13,13 @@ rule manifest:
         run_file("manifest.json"),
     log:
         run_file("logs/manifest.log"),
-    benchmark:
-        run_file("benchmarks/manifest.tsv")
     params:
         edited=edited_outputs("manifest"),
         code=code_digest(),
         lock=LOCK,
         label=run_label,
         folder=run_folder,
-        out=run_results,
+        out=RUN,
         calibrations=CONFIG.calibrations_dir,
         parameters=CONFIG.reduction.model_dump_json(),
     shell:
@@ -40,12 +38,10 @@ rule ingest:
         run_file("tables/encoder.csv"),
     log:
         run_file("logs/ingest.log"),
-    benchmark:
-        run_file("benchmarks/ingest.tsv")
     params:
         edited=edited_outputs("ingest"),
         folder=run_folder,
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce stage ingest --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
 
@@ -58,11 +54,9 @@ rule calibrate:
         run_file("datasets/calibrate.nc"),
     log:
         run_file("logs/calibrate.log"),
-    benchmark:
-        run_file("benchmarks/calibrate.tsv")
     params:
         edited=edited_outputs("calibrate"),
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce stage calibrate --out {params.out:q} > {log:q} 2>&1"
 
@@ -75,11 +69,9 @@ rule project:
         run_file("datasets/project.nc"),
     log:
         run_file("logs/project.log"),
-    benchmark:
-        run_file("benchmarks/project.tsv")
     params:
         edited=edited_outputs("project"),
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce stage project --out {params.out:q} > {log:q} 2>&1"
 
@@ -93,12 +85,10 @@ rule remove_earth:
         run_file("datasets/remove_earth.nc"),
     log:
         run_file("logs/remove_earth.log"),
-    benchmark:
-        run_file("benchmarks/remove_earth.tsv")
     params:
         edited=edited_outputs("remove_earth"),
         folder=run_folder,
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce stage remove_earth --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
 
@@ -116,11 +106,9 @@ rule fit:
         run_file("tables/unstable.csv"),
     log:
         run_file("logs/fit.log"),
-    benchmark:
-        run_file("benchmarks/fit.tsv")
     params:
         edited=edited_outputs("fit"),
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce stage fit --out {params.out:q} > {log:q} 2>&1"
 
@@ -133,10 +121,8 @@ rule drift:
         run_file("tables/drift.csv"),
     log:
         run_file("logs/drift.log"),
-    benchmark:
-        run_file("benchmarks/drift.tsv")
     params:
         edited=edited_outputs("drift"),
-        out=run_results,
+        out=RUN,
     shell:
         "fogreduce stage drift --out {params.out:q} > {log:q} 2>&1"
