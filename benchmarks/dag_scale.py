@@ -3,9 +3,9 @@
     python benchmarks/dag_scale.py --runs 1000 --planning 100 1000 5000
 
 Runs of 10 s at 128 Hz are simulated, then reduced by the workflow with all tables and datasets, without
-figures and pages.  Overhead a job = (2 x wall - CPU of the same commands in one process) / jobs, on two cores.  On a
-machine that others use, wall time counts them too; the CPU time of everything that the workflow started does
-not, so (that CPU - CPU in one process) / jobs stands beside it.
+figures and pages.  Overhead a job = (2 x wall - CPU of the same commands in one process) / jobs, on two
+cores.  On a machine that others use, wall time counts them too; the CPU time of everything that the workflow
+started does not, so (that CPU - CPU in one process) / jobs stands beside it.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _PR_SET_CHILD_SUBREAPER = 36
 
 @dataclass
 class Cost:
-    """Of a call: wall and CPU time of all that it started, its own largest memory, jobs done, what it said."""
+    """Of a call: wall and CPU time of all that it started, largest memory, jobs done, what it said."""
 
     wall_s: float
     cpu_s: float

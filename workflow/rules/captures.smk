@@ -13,6 +13,7 @@ rule make_capture:
     params:
         code=code_digest("fogreduce.simulate.campaign", "fogreduce.simulate.plan"),
         lock=LOCK,
+        run=run_says,
         folder=f"{CONFIG.campaigns_dir}/{{campaign}}",
         calibrations=CONFIG.calibrations_dir,
         out=f"{MADE}/{{campaign}}",

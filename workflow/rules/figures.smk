@@ -21,7 +21,7 @@ rule figures:
             "fogreduce.figures.save",
         ),
         lock=LOCK,
-        folder=run_folder,
+        folder=RUN_FOLDER,
         out=RUN,
         formats=",".join(CONFIG.figures.formats),
     shell:

@@ -17,8 +17,9 @@ rule manifest:
         edited=edited_outputs("manifest"),
         code=code_digest(),
         lock=LOCK,
-        label=run_label,
-        folder=run_folder,
+        run=run_says,
+        label=RUN_LABEL,
+        folder=RUN_FOLDER,
         out=RUN,
         calibrations=CONFIG.calibrations_dir,
         parameters=CONFIG.reduction.model_dump_json(),
@@ -40,7 +41,7 @@ rule ingest:
         run_file("logs/ingest.log"),
     params:
         edited=edited_outputs("ingest"),
-        folder=run_folder,
+        folder=RUN_FOLDER,
         out=RUN,
     shell:
         "fogreduce stage ingest --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
@@ -87,7 +88,7 @@ rule remove_earth:
         run_file("logs/remove_earth.log"),
     params:
         edited=edited_outputs("remove_earth"),
-        folder=run_folder,
+        folder=RUN_FOLDER,
         out=RUN,
     shell:
         "fogreduce stage remove_earth --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
