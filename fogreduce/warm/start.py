@@ -40,16 +40,14 @@ def start() -> Path | None:
     ):
         return None
     parent = _parent()
-    sweep(parent)
-    folder = Path(tempfile.mkdtemp(prefix=f"{_prefix()}{os.getpid()}-", dir=parent))  # mode 0700
-    if len(os.fsencode(folder)) > _LONGEST_PATH or re.search(r"\s", sys.executable):
-        shutil.rmtree(folder)
+    try:
+        sweep(parent)
+        folder = Path(tempfile.mkdtemp(prefix=f"{_prefix()}{os.getpid()}-", dir=parent))  # mode 0700
+    except OSError:
         return None
-    source = Path(client.__file__).read_text(encoding="utf-8")
-    source = source.replace('REAL = "fogreduce"', f"REAL = {str(Path(real).absolute())!r}")
-    script = folder / "fogreduce"
-    script.write_text(f"#!{sys.executable} -IS\n{source}", encoding="utf-8")
-    script.chmod(0o700)
+    if not _made(folder / "fogreduce", real):
+        shutil.rmtree(folder, ignore_errors=True)
+        return None
     with (folder / "log").open("wb") as log:
         server = subprocess.Popen(
             [real, "server", folder],
@@ -61,6 +59,20 @@ def start() -> Path | None:
     _servers.append(server)
     os.environ["PATH"] = os.pathsep.join([str(folder), os.environ.get("PATH", os.defpath)])
     return folder
+
+
+def _made(script: Path, real: str) -> bool:
+    """Write the client; False where it, or a socket beside it, would not work."""
+    if len(os.fsencode(script)) > _LONGEST_PATH or re.search(r"\s", sys.executable):
+        return False
+    source = Path(client.__file__).read_text(encoding="utf-8")
+    source = source.replace('REAL = "fogreduce"', f"REAL = {str(Path(real).absolute())!r}")
+    try:
+        script.write_text(f"#!{sys.executable} -IS\n{source}", encoding="utf-8")
+        script.chmod(0o700)
+    except OSError:
+        return False
+    return os.access(script, os.X_OK)  # not where nothing may be executed
 
 
 def _parent() -> Path:
