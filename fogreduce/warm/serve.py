@@ -124,8 +124,9 @@ class Server:
             words = fields[1 : 1 + int(fields[0])]
             command = os.fsdecode(words[0]) if words else ""
             if command in PER_COMMAND and command not in self._warm:
-                self._import(PER_COMMAND[command])
                 self._warm.add(command)
+                with contextlib.suppress(ImportError):  # the command will say so itself
+                    self._import(PER_COMMAND[command])
             # A signal must find the child ready for it.
             signal.pthread_sigmask(signal.SIG_BLOCK, _STOP)
             pid = os.fork()

@@ -44,6 +44,25 @@ def listed(path: Path, *runs: tuple[str, str]) -> str:
     return str(path)
 
 
+@pytest.mark.parametrize(("names", "failed"), [((), ["c1", "c2"]), (("c2",), ["c2"])])
+def test_the_runs_of_campaigns_are_those_that_results_should_hold(tmp_path, names, failed):
+    """However many runs there are, the command line stays short."""
+    results, out, campaigns = tmp_path / "results", tmp_path / "out", tmp_path / "campaigns"
+    for campaign in ("c1", "c2"):
+        make_run(results, campaign, "r1")
+        make_run(results, campaign, "not-asked-for")
+        for run in ("r1", "r2"):
+            (campaigns / campaign / "runs" / run).mkdir(parents=True)
+    asked = ["--campaigns", str(campaigns), *names]
+    assert main(["summary", "--results", str(results), "--out", str(out), *asked]) == 0
+    assert {(row["campaign"], row["run_id"]) for row in rows(out / "drift_all.csv")} == {
+        (campaign, "r1") for campaign in failed
+    }
+    assert [(row["campaign"], row["run_id"]) for row in rows(out / "failed.csv")] == [
+        (campaign, "r2") for campaign in failed
+    ]
+
+
 def test_gathers_in_the_order_of_the_list(tmp_path):
     results, out = tmp_path / "results", tmp_path / "out"
     make_run(results, "c2", "r1", label="a reconstruction, not a recording")
