@@ -1,4 +1,8 @@
-"""``snakemake --lint``, its wish for a software environment per rule aside: all rules share one."""
+"""``snakemake --lint``, two of its wishes aside.
+
+All rules share one software environment.  And the folder of a run is written as a pattern, not derived from
+an output by a function: Snakemake calls that for each job, at a third of a millisecond.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-ASIDE = "Specify a conda environment or container for each rule."
+ASIDE = (
+    "Specify a conda environment or container for each rule.",
+    "Param out is a prefix of input or output file but hardcoded",
+)
 
 
 def main() -> int:
@@ -21,7 +28,7 @@ def main() -> int:
     for line in text.splitlines():
         if line.startswith("Lints for "):
             place = line.removeprefix("Lints for ")
-        elif line.startswith("    * ") and ASIDE not in line:
+        elif line.startswith("    * ") and not any(wish in line for wish in ASIDE):
             wishes.append(f"{place} {line.strip(' *')}")
     print("\n".join(wishes) or "snakemake --lint: nothing to wish for", file=sys.stderr)
     return 1 if wishes else 0
