@@ -92,6 +92,10 @@ def open_run(path: str | os.PathLike[str]) -> xr.Dataset:
             _as_written(path, parts[stage], _NEEDED[stage])
             _same_run(folder, parts, stage)
         return _merged(parts)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        # What a damaged attribute leads to, such as units of time that are no text.
+        _close(parts)
+        raise BadInput.at(folder, "", found=f"damage ({error})", expected=_EXPECTED) from None
     except BaseException:
         _close(parts)
         raise
@@ -102,7 +106,9 @@ def _open_stage(path: Path) -> xr.Dataset:
         raise BadInput.at(path, "", found="no such file", expected=f"a dataset of {_EXPECTED}")
     try:
         # First without h5netcdf, which complains on its own when it lets go of a file that it could not open.
-        h5py.File(path, "r").close()
+        with h5py.File(path, "r") as file:
+            for part in (file, *(file[name] for name in file)):
+                dict(part.attrs)
         # Times are decoded below: a corrupt stamp must not make the other records unreadable.
         return xr.open_dataset(path, engine="h5netcdf", decode_times=False, phony_dims="access")
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError, LookupError) as error:
@@ -131,7 +137,7 @@ def _same_run(folder: Path, parts: dict[str, xr.Dataset], stage: str) -> None:
         ("version_id", here.attrs.get("version_id"), first.attrs.get("version_id")),
         ("time", here.sizes.get("time"), first.sizes.get("time")),
     ):
-        if found is None or found != expected:
+        if not isinstance(found, str | int) or not isinstance(expected, str | int) or found != expected:
             raise BadInput.at(
                 folder / "datasets" / f"{stage}.nc",
                 name,

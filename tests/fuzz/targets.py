@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -145,7 +146,7 @@ def _counted(lab: FuzzLab, data: bytes) -> list[str]:
 
 
 def _effects_commands(lab: FuzzLab) -> list[Command]:
-    return [lab.check(lab.effects), lab.simulate("--effects", lab.effects)]
+    return [lab.simulate("--effects", lab.effects)]
 
 
 def _reduce(lab: FuzzLab) -> list[Command]:
@@ -179,7 +180,10 @@ def _view(lab: FuzzLab) -> list[Command]:
     from fogreduce.datasets.view import open_run
 
     def look() -> None:
-        with open_run(lab.reduced) as view:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # xarray's, of attributes: whoever uses it from Python sees them
+            view = open_run(lab.reduced)
+        with view:
             str(view)
 
     return [look]

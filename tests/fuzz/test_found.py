@@ -51,6 +51,19 @@ def test_a_view_of_a_dataset_that_is_not_as_written(fuzz_lab):
     fogreduce.open_run(fuzz_lab.reduced).close()
 
 
+@pytest.mark.parametrize(("owner", "key"), [("/", "version_id"), ("time", "units")])
+def test_a_view_of_an_attribute_that_is_no_text(fuzz_lab, owner, key):
+    path = fuzz_lab.reduced / "datasets" / "ingest.nc"
+    held = io.BytesIO(fuzz_lab.good[path])
+    with h5py.File(held, "r+") as file:
+        del file[owner].attrs[key]
+        file[owner].attrs[key] = h5py.Empty("f4")
+    path.write_bytes(held.getvalue())
+    with pytest.raises(BadInput):
+        fogreduce.open_run(fuzz_lab.reduced)
+    fuzz_lab.mend(path)
+
+
 def test_a_manifest_changed_by_hand(fuzz_lab, capsys):
     """Its version id is derived from what it says."""
     path = fuzz_lab.reduced / "manifest.json"
