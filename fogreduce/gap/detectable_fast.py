@@ -25,6 +25,7 @@ from fogreduce.physics.noise import white_sigma
 Array = NDArray[np.float64]
 
 _LEAST_SAMPLES = 32
+_KEPT = 0.95  # of a line's amplitude that the nearest line of the spectrum shows, on average
 _SLOPE = 1e-6 / np.sqrt(12.0)  # scatter of stamps in whole microseconds [s]
 
 
@@ -149,9 +150,11 @@ def _lines(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     padded = 2 ** np.ceil(np.log2(2.0 * samples))
     count = max(band / rate * padded / 2.0, 1.0)
     white = np.array([float(white_sigma(s, rate)) for s in _stated(inputs)]) * SECONDS_PER_HOUR
-    unit = white * np.sqrt(2.0 / samples)  # amplitude of one standard deviation of a quadrature [deg/h]
+    # amplitude of one standard deviation of a quadrature [deg/h], for a line somewhere between two of them
+    unit = white * np.sqrt(2.0 / samples) / _KEPT
+    more = np.log(2.0 * count)
     at = {"frequency_hz": f"any from {2.0 * LEAST_LINE_HZ:g} to {0.49 * rate:g}"}
-    own = _moduli(runs, threshold(1.0 / n) + np.log(count), probability)
+    own = _moduli(runs, threshold(1.0 / n) + more, probability)
     seen = facts.axes * facts.frame_signs / unit[:, None]
     for i in range(n):
         left = 1.0
@@ -166,10 +169,10 @@ def _lines(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     if n < 2:
         return
     # of the directions that a motion may have, only so many would do as well
-    total = _moduli(runs, threshold(1.0) + np.log(count), probability)
+    total = _moduli(runs, threshold(1.0) + more, probability)
     if total is not None:
         chance = np.log(max(0.5 * runs * total**2, 1.0)) if n > 2 else 0.0
-        total = _moduli(runs, threshold(1.0) + np.log(count) + chance, probability)
+        total = _moduli(runs, threshold(1.0) + more + chance, probability)
     for k, axis in enumerate(np.eye(3)):
         strength = float(np.linalg.norm(seen[:, k]))
         there = total is not None and strength > 0.0
@@ -223,7 +226,9 @@ def _converter(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     for i in range(n):
         own = _moduli(len(inputs), threshold(1.0 / n) + np.log(len(_WAVES)), probability)
         kappa = 1.0 / sigma[i]
-        information = samples * (kappa**2 + 1.0 / sigma[i] ** 2)
+        # what the error does to each second's mean is taken for something slow
+        lost = np.exp(-((kappa * sigma[i]) ** 2)) / sigma[i] ** 2
+        information = samples * (kappa**2 + 1.0 / sigma[i] ** 2 - lost)
         amplitude = None if own is None else own / float(np.sqrt(information / 2.0))
         at = {"period_volts": float(2.0 * np.pi * sigma[i])}
         yield Row("adc_nonlinearity", (gyro_name(i),), ("*",), "volts", amplitude, own is not None, at)

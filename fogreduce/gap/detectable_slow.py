@@ -184,7 +184,8 @@ def _cases(c: Candidate) -> Iterator[tuple[int, Array, str, float, dict[str, Any
     if c.effect == "table_rate_ripple":
         for point, given in enumerate(c.grid):
             if given["harmonic"] in _HARMONICS:
-                yield point, np.array([1.0, 0.0]), "ppm", 1.0, dict(given)
+                at = {**given, "phase_rad": 0.0}  # one that is new in each run would show otherwise
+                yield point, np.array([1.0, 0.0]), "ppm", 1.0, at
     elif c.effect == "magnetic_bias":
         for unit in np.eye(3):
             yield 0, unit, "deg_h", 1.0, {"field_direction": unit.tolist()}
