@@ -30,12 +30,16 @@ def hold(state: Path) -> IO[str] | None:
     Returns
     -------
     open file or None
-        To be kept open. None where the file system has no locks: Snakemake's own then decide alone.
+        To be kept open. None where none can be had, on a file system without locks for one: Snakemake's own
+        then decide alone.
     """
     import fcntl
 
-    state.mkdir(exist_ok=True)
-    file = (state / "fogreduce.lock").open("a+")
+    try:
+        state.mkdir(exist_ok=True)
+        file = (state / "fogreduce.lock").open("a+")
+    except OSError:
+        return None  # Snakemake will say what is wrong with its folder
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         _remove_locks(state / "locks", file)

@@ -15,99 +15,11 @@ import time
 from pathlib import Path
 
 import pytest
+from small_campaign import PATIENCE_S, Place, until, write_captures
 
-ROOT = Path(__file__).parents[2]
-BIN = Path(sys.executable).parent
 KILLS = int(os.environ.get("FOGREDUCE_KILLS", "6"))
 SEED = int(os.environ.get("FOGREDUCE_SEED", "1"))
 VICTIMS = ("snakemake", "server", "worker")
-#: Of a run's results, what tells how it went and not what came out.
-ASIDE = {"logs", "benchmarks"}
-PATIENCE_S = 600
-
-RUN_YAML = """\
-schema: fogreduce/run/1
-run_id: {run_id}
-unit: TETRA-01
-started_at: 2014-05-12T13:00:00Z
-site: {{latitude_deg: -23.21132308}}
-table:
-  axis: x
-  profile: [{{rate_deg_s: {rate}, duration_s: 10}}]
-orientation: {{x: up, z: north}}
-capture:
-  file: capture.fogcap
-  format: fogcap-1
-  sample_rate_hz: 128
-  volts_per_count: 1.0e-7
-  polarity: [1, -1, 1, 1]
-calibration: TETRA-01@2012a
-"""
-
-
-class Place:
-    """A folder with campaigns, in which the workflow runs; its processes are known by their environment."""
-
-    def __init__(self, here: Path) -> None:
-        self.here = here
-        self.results = here / "results"
-        self.environment = {**os.environ, "FOGREDUCE_PLACE": str(here)}
-
-    def start(self, *settings: str) -> subprocess.Popen[bytes]:
-        """The plain command, its messages in `said`."""
-        with (self.here / "said").open("ab") as said:
-            return subprocess.Popen(
-                [
-                    *(BIN / "snakemake", "--cores", "2", "--snakefile", ROOT / "Snakefile"),
-                    *("--config", "campaigns_dir=campaigns", f"calibrations_dir={ROOT / 'calibrations'}"),
-                    *("figures={enabled: false}", *settings),
-                ],
-                cwd=self.here,
-                env=self.environment,
-                stdout=said,
-                stderr=said,
-            )
-
-    def said(self) -> str:
-        return (self.here / "said").read_text()
-
-    def processes(self) -> dict[int, list[str]]:
-        """The command lines of all that were started from here and live, by process id."""
-        mark = f"FOGREDUCE_PLACE={self.here}".encode()
-        found = {}
-        for folder in Path("/proc").iterdir():
-            try:
-                if folder.name.isdecimal() and mark in (folder / "environ").read_bytes().split(b"\0"):
-                    found[int(folder.name)] = (folder / "cmdline").read_text().split("\0")[:-1]
-            except (FileNotFoundError, ProcessLookupError, PermissionError):
-                continue
-        return {pid: words for pid, words in found.items() if words}
-
-    def contents(self) -> dict[str, bytes]:
-        """Every file of the results by its name, logs and timings aside."""
-        return {
-            str(path.relative_to(self.results)): path.read_bytes()
-            for path in sorted(self.results.rglob("*"))
-            if path.is_file() and not ASIDE & set(path.relative_to(self.results).parts)
-        }
-
-    def whole_files_of_runs(self) -> dict[str, bytes]:
-        """Those that stand under a name of their own, and tell of one run only."""
-        return {
-            name: data
-            for name, data in self.contents().items()
-            if not name.startswith("_") and not any(part.endswith(".tmp") for part in Path(name).parts)
-        }
-
-
-def until(seconds: float, done: object) -> bool:
-    """Whether `done()` came true within so many seconds."""
-    end = time.monotonic() + seconds
-    while not done():  # type: ignore[operator]
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.002)
-    return True
 
 
 def locked(place: Place) -> bool:
@@ -145,22 +57,8 @@ def candidates(victim: str, snakemake: int) -> list[int]:
 
 @pytest.fixture(scope="module")
 def captures(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A campaign `lab` of two short runs."""
-    place = tmp_path_factory.mktemp("captures")
-    for k, run_id in enumerate(("a", "b")):
-        folder = place / "plan" / "runs" / run_id
-        folder.mkdir(parents=True)
-        (folder / "run.yaml").write_text(RUN_YAML.format(run_id=run_id, rate=k + 1))
-    subprocess.run(
-        [
-            *(BIN / "fogreduce", "simulate", place / "plan"),
-            *("--calibrations", ROOT / "calibrations"),
-            *("--out", place / "campaigns" / "lab", "--seed", "1"),
-        ],
-        check=True,
-        capture_output=True,
-    )
-    return place / "campaigns"
+    """A campaign of two short runs."""
+    return write_captures(tmp_path_factory.mktemp("captures"), ("a", "b"))
 
 
 def place_of(folder: Path, captures: Path) -> Place:
@@ -238,3 +136,16 @@ def test_killed_and_started_again(captures: Path, tmp_path_factory: pytest.TempP
         must_be_done(place, undisturbed)
         shutil.rmtree(place.here)
     print(f"\n{sum(killed.values())} kills in {places} folders, seed {SEED}: {killed}; work: {length:.1f} s")
+
+
+@pytest.mark.slow
+def test_two_at_once(captures: Path, tmp_path: Path) -> None:
+    """The second is refused, and takes nothing from the first."""
+    place = place_of(tmp_path, captures)
+    first = place.start()
+    assert until(PATIENCE_S, lambda: locked(place))
+    second = place.start()
+    assert second.wait(PATIENCE_S) == 1
+    assert "Directory cannot be locked" in place.said()
+    assert first.wait(PATIENCE_S) == 0, place.said()
+    assert (place.results / "lab/b/outputs.json").exists()

@@ -7,38 +7,16 @@ import os
 import shutil
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from small_campaign import ASIDE, BIN, ROOT, write_captures
 
-ROOT = Path(__file__).parents[2]
-BIN = Path(sys.executable).parent
 DAEMONS = ("munged", "slurmctld", "slurmd")
-#: Of a run's results, what tells how it went and not what came out.
-ASIDE = {"logs", "benchmarks"}
 
-RUN_YAML = """\
-schema: fogreduce/run/1
-run_id: {run_id}
-unit: TETRA-01
-started_at: 2014-05-12T13:00:00Z
-site: {{latitude_deg: -23.21132308}}
-table:
-  axis: x
-  profile: [{{rate_deg_s: {rate}, duration_s: 10}}]
-orientation: {{x: up, z: north}}
-capture:
-  file: capture.fogcap
-  format: fogcap-1
-  sample_rate_hz: 128
-  volts_per_count: 1.0e-7
-  polarity: [1, -1, 1, 1]
-calibration: TETRA-01@2012a
-"""
 CONF = """\
 ClusterName=test
 SlurmctldHost={host}(127.0.0.1)
@@ -179,21 +157,7 @@ def cluster() -> Iterator[Cluster]:
 @pytest.fixture(scope="module")
 def captures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign `lab` of three short runs."""
-    place = tmp_path_factory.mktemp("captures")
-    for k, run_id in enumerate(("a", "b", "c")):
-        folder = place / "plan" / "runs" / run_id
-        folder.mkdir(parents=True)
-        (folder / "run.yaml").write_text(RUN_YAML.format(run_id=run_id, rate=k + 1))
-    subprocess.run(
-        [
-            *(BIN / "fogreduce", "simulate", place / "plan"),
-            *("--calibrations", ROOT / "calibrations"),
-            *("--out", place / "campaigns" / "lab", "--seed", "1"),
-        ],
-        check=True,
-        capture_output=True,
-    )
-    return place / "campaigns"
+    return write_captures(tmp_path_factory.mktemp("captures"), ("a", "b", "c"))
 
 
 def words(campaigns: Path) -> list[str | Path]:

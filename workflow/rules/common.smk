@@ -13,6 +13,7 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
+from fogreduce.archive.clock import faults_of_inputs, make_old
 from fogreduce.archive.code import code_digest
 from fogreduce.archive.edited import edited, notes_of
 from fogreduce.datasets.atomic import write_text
@@ -166,6 +167,23 @@ def campaign_calibrations(wildcards):
     return sorted(
         {path for run in runs for path in calibration_of(wildcards.campaign, run.name)}
     )
+
+
+def check_times():
+    """Results that a clock gave times in the future must not hide what has changed since."""
+    if make_old(Path(RESULTS), [Path(RESULTS, *run) for run in RUNS]):
+        print(
+            f"{RESULTS}: written in the future, by a clock that was set back since; inputs are compared anew",
+            file=sys.stderr,
+        )
+    kept = [run for run in RUNS if run[0] not in MADE_CAMPAIGNS]
+    for campaign, run in kept:
+        for fault in faults_of_inputs(files_in(f"{CAMPAIGNS[campaign]}/runs/{run}")):
+            print(fault, file=sys.stderr)
+
+
+if workflow.is_main_process:
+    check_times()
 
 
 def find_edited():
