@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.evidence import Field, Fit
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fogreduce.effects.selection import Action, action
 from fogreduce.effects.table import EFFECTS
-from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.departures import doubted
 from fogreduce.gap.evidence import Fit
 from fogreduce.gap.findings import Finding

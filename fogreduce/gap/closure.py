@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.causes import Cause
 from fogreduce.gap.data import Data
 from fogreduce.gap.departures import departures

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chndtr, chndtrinc, ndtri
 
-from fogreduce.gap.candidates import Builder, Candidate
+from fogreduce.gap.builder import Builder
+from fogreduce.gap.candidate import Candidate
+from fogreduce.gap.candidates import all_candidates
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.detectable import TOLD_APART, Row, crossing, threshold
 from fogreduce.gap.evidence import log_bayes, log_mean_exp
@@ -49,7 +51,7 @@ def slow_rows(
     metric = Metric.of(whiten(nuisances(inputs)))
     # the spectrum shows a low pass long before the lag of its readings does
     builder = Builder(inputs, whiten, [], allowed - {"low_pass"}, {})
-    candidates = [_thinned(c) for c in builder.all()]
+    candidates = [_thinned(c) for c in all_candidates(builder)]
     scene = _Scene.of(candidates, metric)
     for number, candidate in enumerate(candidates):
         yield from _rows_of(scene, number, candidate, probability, snr)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.candidates import Candidate, pairs
+from fogreduce.gap.candidate import Candidate, pairs
 from fogreduce.gap.noise_model import Metric
 from fogreduce.physics.special import log_normal_tail
 

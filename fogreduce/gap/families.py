@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import slope_around
 from fogreduce.effects.gyro_names import gyro_name
-from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.families_table import of_table
 from fogreduce.gap.family import HARMONICS, family, lessened, modes, waves_of_angle

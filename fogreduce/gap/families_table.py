@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.candidates import Candidate
+from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.family import HARMONICS, family, lessened, modes, waves_of_angle
 from fogreduce.gap.noise_model import Whitener

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.candidates import EVERY, Candidate
+from fogreduce.gap.candidate import EVERY, Candidate
 from fogreduce.gap.capture import RunInput
 
 Array = NDArray[np.float64]

@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.table import EFFECTS
+from fogreduce.gap.builder import Builder
 from fogreduce.gap.bundles import Bundles
-from fogreduce.gap.candidates import Builder, Candidate
+from fogreduce.gap.candidate import Candidate
+from fogreduce.gap.candidates import all_candidates
 from fogreduce.gap.causes import Cause
 from fogreduce.gap.data import Data
 from fogreduce.gap.evidence import Field, Fit, log_bayes
@@ -192,7 +194,7 @@ class Search:
             metric,
             y,
             nominal,
-            Bundles(builder.all()),
+            Bundles(all_candidates(builder)),
             Bundles(families(data.inputs, whiten, builder.plain, self.allowed)),
             Processes(data.inputs, whiten, builder.plain, self._eigen),
             frozenset(c.key for c in slow),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fogreduce.gap.bundles import Bundles
-from fogreduce.gap.candidates import EVERY, Candidate
+from fogreduce.gap.candidate import EVERY, Candidate
 from fogreduce.gap.evidence import Field
 from fogreduce.gap.findings import Finding
 from fogreduce.physics.special import log_chi2_tail, log_normal_tail, normal_deviate

@@ -11,7 +11,7 @@ from bench_lab import lab, simulated
 
 from fogreduce.effects.selection import action
 from fogreduce.gap.bundles import Bundles
-from fogreduce.gap.candidates import pairs
+from fogreduce.gap.candidate import pairs
 from fogreduce.gap.converter import Codes
 from fogreduce.gap.data import Data, read_data
 from fogreduce.gap.evidence import Field
