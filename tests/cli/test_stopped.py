@@ -22,7 +22,13 @@ def test_stopped_by_a_signal(small_lab, number):
     """In a record long enough (a million records) to be met while its datasets are being written."""
     small_lab.write_run({"table.profile": [{"rate_deg_s": 0.01, "duration_s": 62_500.0}]})
     small_lab.write_capture(header(), records(1_000_000).tobytes())
-    process = subprocess.Popen([COMMAND, *small_lab.reduce()], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [COMMAND, *small_lab.reduce()],
+        stderr=subprocess.PIPE,
+        text=True,
+        # where the tests run in the background, SIGINT is ignored, and so it would be here
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     until = time.monotonic() + PATIENCE_S
     while not temporary_files(small_lab.root) and time.monotonic() < until and process.poll() is None:
         time.sleep(0.001)
