@@ -284,7 +284,11 @@ class Search:
         wandered = step.state.wandered
         if not step.state.causes or any(c.effect in CATALOGUED for c in step.state.causes):
             return wandered
+        places = {channel for c in step.state.causes for channel in c.channels}
+        anywhere = any(not place.startswith("gyro") for place in places)
         rivals = [o for o in step.options if (o.process or not o.known) and o.raw > 0.0]
+        if not anywhere:
+            rivals = [o for o in rivals if places.issuperset(o.source.channels)]
         return wandered + max((o.raw - max(o.log_b, 0.0) for o in rivals), default=0.0)
 
     # -------------------------------------------------------------------------------------- search
@@ -309,18 +313,16 @@ class Search:
             if best is None or best.score + further < 0.0:
                 break
             causes = [*state.causes, best.cause()]
-            score += best.score + further
+            # where departures from shape are credited to what is left, a cause that takes it gets that back
+            gain = best.raw + best.log_prior + further
             ground = self._settled(causes, best, state.ground)
             taken = self.state(causes, ground)
             if self._is_hollow(state, taken, best):
                 hollow.add(best.key)
-                score -= best.score + further
                 continue
+            score += gain
             # evidence of the new one was taken beside the wandering of those before
             score += max(path[-1].state.wandered - taken.wandered, 0.0)
-            if best.process:
-                # what the unknown would be credited with in its place
-                score += self.credit(path[-1]) - path[-1].state.wandered
             depth += 1
             state, change = self._weighed_again(taken, processes)
             options = self.options(state)

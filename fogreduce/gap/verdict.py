@@ -109,12 +109,13 @@ def _ways(search: Search, path: Sequence[Step]) -> list[tuple[Step, bool, float]
     """Every set of a path, alone and with something unknown beside it: step, whether, ln score."""
     ways = []
     for depth, step in enumerate(path):
-        beside = _log_sum([o.score for o in step.options if not o.known])
+        # what is unknown takes what departures from shape would take: it counts whole, and they do not
+        beside = _log_sum([o.raw + o.log_prior for o in step.options if not o.known])
         further = LOG_GAP if depth == 0 else LOG_FURTHER
-        score = step.score + search.credit(step)
-        ways.append((step, True, score + beside + further + _mean_of_process(step)))
+        with_it = step.score + step.state.wandered + beside + further + _mean_of_process(step)
+        ways.append((step, True, with_it))
         if depth:
-            ways.append((step, False, score))
+            ways.append((step, False, step.score + search.credit(step)))
     return ways
 
 

@@ -1,0 +1,34 @@
+"""Two effects at once: both are named, and nothing unknown stands in for the second."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from bench_lab import diagnosed, lab, simulated
+
+
+def put(effect: str, channel: str, **parameters: object) -> dict:
+    return {"effect": effect, "channels": [channel], "runs": ["*"], "parameters": parameters}
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        [put("bias_offset", "gyro4", deg_h=3.0), put("scale_factor_asymmetry", "gyro1", ppm=60.0)],
+        [put("table_rate_error", "table", ppm=100.0), put("crosstalk", "gyro3", ppm=300.0, source="gyro1")],
+        [put("bias_ramp", "gyro3", deg_h_per_h=100.0), put("bias_offset", "gyro4", deg_h=1.0)],
+    ],
+    ids=lambda effects: "-".join(one["effect"] for one in effects),
+)
+def test_both_are_named(tmp_path: Path, effects: list[dict]) -> None:
+    lab(tmp_path)
+    found = diagnosed(tmp_path, simulated(tmp_path, effects))
+    assert found["verdict"] == "explained"
+    for effect in effects:
+        assert any(
+            rival["effect"] == effect["effect"] and rival["channels"] == effect["channels"]
+            for cause in found["causes"]
+            for rival in cause["group"]
+        )
+    assert len(found["causes"]) == 2
