@@ -27,7 +27,7 @@ from fogreduce.gap.where import Place
 
 Array = NDArray[np.float64]
 
-_DEALS = 10  # stretches of a run, dealt in turn
+_DEALS = 300  # stretches of a run, dealt in turn: short ones, so that either fold knows when a bias stepped
 _MOST_FEATURES = 30
 
 
@@ -50,10 +50,13 @@ class Closure:
 
     @property
     def std(self) -> float:
-        """Its standard deviation: those of the two sums, as sums of squared normal deviates."""
+        """Its standard deviation: those of the two sums, as sums of squared normal deviates.
+
+        The folds share stated uncertainties, and each has the noise of the other's fit: they count as one.
+        """
         gap = max(self.before - self.expected, 1e-9)
-        left = 2.0 * self.expected + 4.0 * max(self.after - self.expected, 0.0)
-        whole = 2.0 * self.expected + 4.0 * gap
+        left = 4.0 * self.expected + 8.0 * max(self.after - self.expected, 0.0)
+        whole = 4.0 * self.expected + 8.0 * gap
         return float(np.sqrt(left + (1.0 - self.fraction) ** 2 * whole) / gap)
 
 
@@ -96,7 +99,7 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
                 three, _ = _sum(held.metric, features, held.y - wrong)
                 placebo.append((one - three) / max(one - number, 1e-9))
     fast = [c for c in causes if c.finding is not None]
-    held_out = "every other tenth of each run, both ways" if families or slow else ""
+    held_out = "every other three-hundredth of each run, both ways" if families or slow else ""
     for cause in fast:
         sums = _fast_closure(data, cause, search.allowed)
         if sums is not None:

@@ -139,6 +139,18 @@ def test_vectors_pull_by_component():
     assert out.pulls == pytest.approx([2.0, 0.0])
 
 
+def test_phases_pull_within_a_turn():
+    truth = effect("table_rate_ripple", "table", ppm=1.0, harmonic=6, phase_rad=0.1)
+    out = of(("single", truth), "explained", cause("table_rate_ripple", "table", phase_rad=(6.2831853, 0.1)))
+    assert out.pulls == pytest.approx([-1.0], abs=1e-6)
+
+
+def test_a_magnetic_bias_turned_round_is_the_same():
+    truth = effect("magnetic_bias", "gyro1", deg_h=-0.5, field_direction=[0.6, 0.0, 0.8])
+    out = of(("single", truth), "explained", cause("magnetic_bias", "gyro1", deg_h=(0.6, 0.1)))
+    assert out.pulls == pytest.approx([1.0])
+
+
 def test_closure_stands_beside_the_oracle_s():
     out = judge(label("single", RAMP, oracle=0.99), diagnosis("explained", closure=(0.97, 0.02)), T)
     assert out.closure == (0.97, 0.02, 0.99)

@@ -1,5 +1,6 @@
 """One diagnosis beside one label: what was right and what was wrong."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -142,6 +143,17 @@ def _fate(diagnosis: Diagnosis, effect: Mapping[str, Any], thresholds: Threshold
     return "misattributed" if effect["best_rival"] >= thresholds.stranger_keeps else "indistinguishable"
 
 
+def _difference(effect: str, name: str, value: float, known: float) -> float:
+    """Stated less true, where one thing has two names: an angle, a turn on; a magnetic bias, negated with the
+    field's direction turned round.
+    """
+    if name == "phase_rad":
+        return math.remainder(value - known, 2.0 * math.pi)
+    if effect == "magnetic_bias" and name == "deg_h":
+        return abs(value) - abs(known)
+    return value - known
+
+
 def _pulls(
     diagnosis: Diagnosis, effects: list[Mapping[str, Any]]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -160,7 +172,7 @@ def _pulls(
             for name, (value, std) in cause.parameters.items():
                 known = truth.get(name)
                 if std > 0.0 and isinstance(known, int | float):
-                    pulls.append((value - known) / std)
+                    pulls.append(_difference(cause.key[0], name, value, known) / std)
             numbers = list(cause.parameters.values())
             if effect["attainable_std"] and len(numbers) == 1 and numbers[0][0] != 0.0:
                 ratios.append(numbers[0][1] / abs(numbers[0][0]) / effect["attainable_std"])

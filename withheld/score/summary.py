@@ -134,7 +134,10 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
     closed = [o for o in outcomes if o.kind not in OUTSIDE]
     pulls = [p for o in outcomes for p in o.pulls]
     close = [
-        (f - oracle, std) for o in outcomes if o.closure and o.by_group for f, std, oracle in [o.closure]
+        (f - oracle, std, o.snr or 0.0)
+        for o in outcomes
+        if o.closure and o.by_group
+        for f, std, oracle in [o.closure]
     ]
     groups = [o for o in single if o.group_size]
     tables = [
@@ -168,9 +171,12 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
         _table("Parameters of right causes", [
             _row("within 2 standard deviations", share([abs(p) < 2 for p in pulls]))]),
         _table("Closure against the oracle, right causes", [
-            _row("within 0.03", share([abs(d) < 0.03 for d, _ in close])),
+            _row("within 0.03", share([abs(d) < 0.03 for d, _, _ in close])),
+            _row("within 0.03, SNR 20 and up", share([abs(d) < 0.03 for d, _, snr in close if snr >= 20])),
             _row("within 2 of its own standard deviations",
-                 share([abs(d) < 2 * max(s, 1e-9) for d, s in close]))]),
+                 share([abs(d) < 2 * max(s, 1e-9) for d, s, _ in close])),
+            _row("within 2 of its own standard deviations, SNR below 20",
+                 share([abs(d) < 2 * max(s, 1e-9) for d, s, snr in close if snr < 20]))]),
     ]  # fmt: skip
     return {
         "cases": len(outcomes),
@@ -191,7 +197,7 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
         },
         "pulls": _quantiles(pulls),
         "std_over_attainable": _quantiles([r for o in outcomes for r in o.attainable]),
-        "closure_less_oracle": _quantiles([d for d, _ in close]),
+        "closure_less_oracle": _quantiles([d for d, _, _ in close]),
         "group_size": _quantiles([float(o.group_size) for o in groups if o.group_size]),
         "seconds": _quantiles([o.seconds for o in outcomes if o.seconds is not None]),
         "confusion": [

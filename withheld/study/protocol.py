@@ -102,7 +102,8 @@ METRICS = (
     "stranger_keeps against its best catalogue rival); missed (no_gap); indistinguishable (explained, and a "
     "rival is closer than that)",
     "reliability: stated probability against the share that was right, closed and open set apart",
-    "pulls: (value - truth) / std of each parameter of a right cause",
+    "pulls: (value - truth) / std of each parameter of a right cause; a phase modulo a turn, a magnetic "
+    "bias without the sign that its direction takes up",
     "closure: stated fraction less the oracle's",
     "groups: size, and the share of members separated from the truth by less than group_below",
 )
