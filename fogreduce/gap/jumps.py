@@ -8,7 +8,8 @@ grid of a and T, is what the jumps add to the evidence of the spectrum.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 
 _STAYS_S = np.array([10.0, 20.0, 40.0, 80.0])
 _SIZES = np.array([0.65, 0.9, 1.2, 1.6])  # of the level difference that the variance found asks for
+#: Mean stay and size of every telegraph that is tried, (G, 2).
+_GRID = np.array([(stay, size) for stay in _STAYS_S.tolist() for size in _SIZES.tolist()])
 _CONSTANTS = np.linspace(-1.0, 1.0, 11)  # in units of that difference, spread about 0 by half of it
 _LIKELY = np.log(np.exp(-2.0 * _CONSTANTS**2) / np.exp(-2.0 * _CONSTANTS**2).sum())
 
@@ -41,111 +44,148 @@ class Background:
 
     @classmethod
     def of(cls, covariance: Array) -> Background:
-        """From the covariance (blocks, blocks) of one run."""
-        row = len(covariance) // 2
-        lags = covariance[row, row + 1 :]
+        """From the covariance (lags,) of a block in the middle of a run with itself and those after it."""
+        lags = covariance[1:]
         if len(lags) < 2:
-            return cls(float(np.sqrt(covariance[row, row])), 0.0, 0.0)
+            return cls(float(np.sqrt(covariance[0])), 0.0, 0.0)
         over = lags - lags[-1]
         variance = max(float(over[0]), 0.0)
         length = float(over.sum()) / variance if variance > 0.0 else 1.0
-        white = max(float(covariance[row, row] - lags[0]), 1e-12 * float(covariance[row, row]))
+        white = max(float(covariance[0] - lags[0]), 1e-12 * float(covariance[0]))
         return cls(float(np.sqrt(white)), variance, float(np.exp(-1.0 / max(length, 1.0))))
 
 
-def jumps_add(
-    values: Array, seen: NDArray[np.bool_], length_s: float, weights: Array, background: Background
-) -> float:
-    """Ln likelihood ratio of a telegraph over a Gaussian process of the same covariance.
+@dataclass(frozen=True)
+class Record:
+    """Block means of one gyro that may jump.
 
-    Parameters
+    Attributes
     ----------
     values : (R, T) array
         Block means of each run [deg/h].
     seen : (R, T) array of bool
         Which of them count.
-    length_s : float
-        Of a block [s].
     weights : (R,) array
         What a level difference of 1 is in each run: 1, or the reading for a scale factor that jumps.
     background : Background
     """
+
+    values: Array
+    seen: NDArray[np.bool_]
+    weights: Array
+    background: Background
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Runs of all records side by side: y, seen (R, T), level difference (R, G), background (R, 1) each."""
+
+    y: Array
+    seen: NDArray[np.bool_]
+    step: Array
+    noise: Array
+    variance: Array
+    keep: Array
+
+
+def jumps_add(records: Sequence[Record], length_s: float) -> list[float]:
+    """Ln likelihood ratio of a telegraph over a Gaussian process of the same covariance, for each record.
+
+    Parameters
+    ----------
+    records : of the same number of blocks
+    length_s : float
+        Of a block [s].
+    """
+    parts = [_rows(one) for one in records]
+    counts = [len(part.y) for part in parts]
+    if not sum(counts):
+        return [0.0] * len(records)
+    rows = _Rows(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(_Rows)))
+    stay = 0.5 * (1.0 + np.exp(-2.0 * length_s / _GRID[:, 0]))
+    cuts = np.cumsum(counts)[:-1]
+    telegraph = np.split(_telegraph(rows, stay), cuts)
+    smooth = np.split(_gaussian(rows, 2.0 * stay - 1.0), cuts)
+    return [
+        float(log_mean_exp(one.sum(axis=0)) - log_mean_exp(other.sum(axis=0)))
+        for one, other in zip(telegraph, smooth, strict=True)
+    ]
+
+
+def _rows(record: Record) -> _Rows:
+    """The runs of a record in which levels as far apart as its variance asks for would show."""
+    seen, weights, b = record.seen, record.weights, record.background
     count = np.maximum(seen.sum(axis=1, keepdims=True), 1)
-    y = np.where(seen, values - np.sum(np.where(seen, values, 0.0), axis=1, keepdims=True) / count, 0.0)
-    usual = background.sigma**2 + background.variance
+    values = np.where(seen, record.values, 0.0)
+    y = np.where(seen, values - np.sum(values, axis=1, keepdims=True) / count, 0.0)
+    usual = b.sigma**2 + b.variance
     excess = np.sum(np.where(seen, y**2 - usual, 0.0)) / max(np.sum(seen * weights[:, None] ** 2), 1e-300)
     size = 2.0 * np.sqrt(max(float(excess), 0.0))
-    if size == 0.0:
-        return 0.0
-    grid = [(stay, size * share) for stay in _STAYS_S.tolist() for share in _SIZES.tolist()]
-    stays, sizes = np.array(grid).T
-    step = np.abs(np.outer(weights, sizes))  # (R, G)
-    moved = step.max(axis=1) > 0.1 * background.sigma
-    y, seen, step = y[moved], seen[moved], step[moved]
-    stay = 0.5 * (1.0 + np.exp(-2.0 * length_s / stays))
-    telegraph = _telegraph(y, seen, step, stay, background).sum(axis=0)
-    smooth = _gaussian(y, seen, step, 2.0 * stay - 1.0, background).sum(axis=0)
-    return float(log_mean_exp(telegraph) - log_mean_exp(smooth))
+    step = np.abs(np.outer(weights, size * _GRID[:, 1]))
+    moved = (step.max(axis=1) > 0.1 * b.sigma) & (size > 0.0)
+    each = np.ones((int(moved.sum()), 1))
+    return _Rows(y[moved], seen[moved], step[moved], b.sigma**2 * each, b.variance * each, b.keep * each)
 
 
-def _telegraph(y: Array, seen: NDArray[np.bool_], step: Array, stay: Array, b: Background) -> Array:
+def _telegraph(rows: _Rows, stay: Array) -> Array:
     """Ln likelihood (R, G): forward sums over both levels, a Kalman filter for the drift on each.
 
     What the drift is on one level is passed on as one mean and variance (interacting multiple models).
+    Arrays are (2, R, G, C): the upper level and the lower one, runs, grid, constants.
     """
-    offset = step[:, :, None] * _CONSTANTS  # (R, G, C)
-    half = 0.5 * step[:, :, None]
+    noise, variance, keep = (x[:, :, None] for x in (rows.noise, rows.variance, rows.keep))
     stays = stay[:, None]
-    moves = np.array([[stays, 1.0 - stays], [1.0 - stays, stays]])
-    chance = [np.full(offset.shape, 0.5)] * 2
-    mean, spread = [np.zeros(offset.shape)] * 2, [np.full(offset.shape, b.variance)] * 2
-    total = np.zeros(offset.shape)
-    for k in range(y.shape[1]):
-        logs, new_chance, new_mean, new_spread = [], [], [], []
-        here = seen[:, k, None, None]
-        for level, sign in ((0, 1.0), (1, -1.0)):
-            from_0, from_1 = moves[0, level] * chance[0], moves[1, level] * chance[1]
-            whole = from_0 + from_1
-            share = from_0 / np.maximum(whole, 1e-300)
-            apart = mean[0] - mean[1]
-            m = b.keep * (mean[1] + share * apart)
-            p = share * spread[0] + (1.0 - share) * spread[1] + share * (1.0 - share) * apart**2
-            p = b.keep**2 * p + (1.0 - b.keep**2) * b.variance
-            s = p + b.sigma**2
-            e = y[:, k, None, None] - offset - sign * half - m
-            gain = np.where(here, p / s, 0.0)
-            logs.append(np.where(here, -0.5 * (e * e / s + np.log(s)), 0.0))
-            new_chance.append(whole)
-            new_mean.append(m + gain * e)
-            new_spread.append(p * (1.0 - gain))
-        top = np.maximum(logs[0], logs[1])
-        chance = [c * np.exp(one - top) for c, one in zip(new_chance, logs, strict=True)]
+    level = np.array([0.5, -0.5])[:, None, None, None] * rows.step[:, :, None]
+    level = level + rows.step[:, :, None] * _CONSTANTS
+    chance = np.full(level.shape, 0.5)
+    mean, spread = np.zeros(level.shape), np.broadcast_to(variance, level.shape)
+    total = np.zeros(level.shape[1:])
+    for k in range(rows.y.shape[1]):
+        stayed = stays * chance
+        chance = stayed + (1.0 - stays) * chance[::-1]
+        share = stayed / chance
+        other = 1.0 - share
+        apart = mean - mean[::-1]
+        m = keep * (mean - other * apart)
+        p = share * spread + other * spread[::-1] + (share * other) * (apart * apart)
+        p = keep**2 * p + (1.0 - keep**2) * variance
+        s = p + noise
+        e = rows.y[:, k, None, None] - level - m
+        gain, minus, likely = p / s, 0.5 * e * e / s, 1.0 / np.sqrt(s)
+        here = rows.seen[:, k]
+        if not here.all():
+            gain[:, ~here], minus[:, ~here], likely[:, ~here] = 0.0, 0.0, 1.0
+        least = np.minimum(minus[0], minus[1])
+        chance = chance * likely * np.exp(least - minus)
         whole = chance[0] + chance[1]
-        total += top + np.log(whole)
-        chance, mean, spread = [c / whole for c in chance], new_mean, new_spread
+        total += np.log(whole) - least
+        chance, mean, spread = chance / whole, m + gain * e, p - gain * p
     return log_mean_exp(total, _LIKELY)
 
 
-def _gaussian(y: Array, seen: NDArray[np.bool_], step: Array, keep: Array, b: Background) -> Array:
+def _gaussian(rows: _Rows, process: Array) -> Array:
     """Ln likelihood (R, G) by a Kalman filter for process and drift, with the same constant."""
-    variance = 0.25 * step**2
-    zero = np.zeros(step.shape)
+    variance = 0.25 * rows.step**2
+    zero = np.zeros(variance.shape)
     x, d, ux, ud = zero, zero, zero, zero  # process and drift; how much each answers a constant of 1
-    xx, xd, dd = variance, zero, zero + b.variance
+    keep = rows.keep
+    xx, xd, dd = variance, zero, zero + rows.variance
     logs, a11, a1y = zero, zero, zero
-    for k in range(y.shape[1]):
-        x, ux, d, ud = keep * x, keep * ux, b.keep * d, b.keep * ud
-        xx = keep**2 * xx + (1.0 - keep**2) * variance
-        xd = keep * b.keep * xd
-        dd = b.keep**2 * dd + (1.0 - b.keep**2) * b.variance
-        s = xx + 2.0 * xd + dd + b.sigma**2
-        e, f = y[:, k, None] - x - d, 1.0 - ux - ud
-        here = seen[:, k, None]
-        logs = logs + np.where(here, -0.5 * (e * e / s + np.log(s)), 0.0)
-        a11, a1y = a11 + np.where(here, f * f / s, 0.0), a1y + np.where(here, f * e / s, 0.0)
-        gx, gd = np.where(here, (xx + xd) / s, 0.0), np.where(here, (xd + dd) / s, 0.0)
-        x, d, ux, ud = x + gx * e, d + gd * e, ux + gx * f, ud + gd * f
-        xx, xd, dd = xx - gx * (xx + xd), xd - gx * (xd + dd), dd - gd * (xd + dd)
+    for k in range(rows.y.shape[1]):
+        x, ux, d, ud = process * x, process * ux, keep * d, keep * ud
+        xx = process**2 * xx + (1.0 - process**2) * variance
+        xd = process * keep * xd
+        dd = keep**2 * dd + (1.0 - keep**2) * rows.variance
+        gx, gd = xx + xd, xd + dd
+        s = gx + gd + rows.noise
+        e, f = rows.y[:, k, None] - x - d, 1.0 - ux - ud
+        here = rows.seen[:, k, None]
+        weight = here / s
+        logs = logs - 0.5 * (weight * e * e + np.where(here, np.log(s), 0.0))
+        a11, a1y = a11 + weight * f * f, a1y + weight * f * e
+        hx, hd = weight * gx, weight * gd
+        x, d, ux, ud = x + hx * e, d + hd * e, ux + hx * f, ud + hd * f
+        xx, xd, dd = xx - hx * gx, xd - hx * gd, dd - hd * gd
     prior = np.maximum(variance, 1e-300)
     result: Array = logs + 0.5 * a1y**2 / (a11 + 1.0 / prior) - 0.5 * np.log1p(a11 * prior)
     return result

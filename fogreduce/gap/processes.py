@@ -12,6 +12,7 @@ reading, as an unsteady scale factor does; and one that jumps between two levels
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
-from fogreduce.gap.jumps import Background, jumps_add
+from fogreduce.gap.jumps import Background, Record, jumps_add
 from fogreduce.gap.noise_model import Whitener, process_covariance
 
 Array = NDArray[np.float64]
@@ -36,8 +37,20 @@ _STEADY = 0.02  # spread of a reading, relative to the largest, that counts as n
 _LOWEST, _HIGHEST, _STEPS = 1.5, 3000.0, 40
 
 
-#: Eigenvectors, their variances, and the filter under which they hold.
-Eigen = tuple[Array, Array, Array]
+@dataclass
+class Known:
+    """What was found under filters, by the filters' ids; these are kept too, so that no other has their ids.
+
+    Attributes
+    ----------
+    eigen : mapping
+        Eigenvectors and their variances of each process.
+    inverses : mapping
+        Inverses of the filters, and the background of which they are the inverse.
+    """
+
+    eigen: dict[tuple[object, ...], tuple[Array, Array, Array]] = field(default_factory=dict)
+    inverses: dict[int, tuple[Array, Background, Array]] = field(default_factory=dict)
 
 
 class Processes:
@@ -49,8 +62,8 @@ class Processes:
     whiten : Whitener
     plain : (n, blocks) arrays
         Predicted readings in each run's blocks [deg/h].
-    known : dict
-        Eigenvectors found before, to which new ones are added.
+    known : Known
+        What was found before, to which more is added.
     """
 
     def __init__(
@@ -58,17 +71,17 @@ class Processes:
         inputs: Sequence[RunInput],
         whiten: Whitener,
         plain: Sequence[Array],
-        known: dict[tuple[object, ...], Eigen] | None = None,
+        known: Known | None = None,
     ) -> None:
         self.inputs, self.whiten = inputs, whiten
-        self._known = {} if known is None else known
-        self._inverses: dict[int, Array] = {}
+        self._known = Known() if known is None else known
+        self._found: dict[tuple[bytes, frozenset[str]], list[Finding]] = {}
         largest = np.max([np.abs(p).max(axis=1) for p in plain], axis=0)
         self._reading = [p / np.maximum(largest, 1e-300)[:, None] for p in plain]
         self._turns = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
 
-    def findings(self, left: Array, allowed: frozenset[str]) -> Iterator[Finding]:
-        """Every process at every gyro.
+    def findings(self, left: Array, allowed: frozenset[str]) -> list[Finding]:
+        """Every process at every gyro; remembered, for a residual may come again.
 
         Parameters
         ----------
@@ -76,7 +89,15 @@ class Processes:
             Whitened residual less expected nuisances and causes.
         allowed : names of effects
         """
+        key = (left.tobytes(), allowed)
+        if key not in self._found:
+            self._found[key] = list(self._findings(left, allowed))
+        return self._found[key]
+
+    def _findings(self, left: Array, allowed: frozenset[str]) -> Iterator[Finding]:
         n = self.whiten.rows.n
+        # what may jump: place, its record, and ln evidence, gain and share of the process without jumps
+        jumping: list[tuple[tuple[str, ...], Record, float, float, float]] = []
         for i in range(n):
             name = (gyro_name(i),)
             for effect, (kind, parameter) in CATALOGUED.items():
@@ -105,12 +126,14 @@ class Processes:
                     yield _unknown(name, log_b, gain, share / len(_FORGETS_S))
                 best = max(found, key=lambda one: one[0])
                 if best[0] > _WORTH:
-                    more = self._jumps(left, i, kind)
-                    log_b = float(log_mean_exp(np.array([one[0] for one in found]))) + more
-                    yield _unknown(name, log_b, best[1] + more, share * _JUMPS)
+                    log_b = float(log_mean_exp(np.array([one[0] for one in found])))
+                    jumping.append((name, self._record(left, i, kind), log_b, best[1], share * _JUMPS))
+        added = jumps_add([one[1] for one in jumping], self.inputs[0].scene.blocks.length_s)
+        for (place, _, log_b, gain, share), more in zip(jumping, added, strict=True):
+            yield _unknown(place, log_b + more, gain + more, share)
 
-    def _jumps(self, left: Array, i: int, kind: str) -> float:
-        """What jumps between two levels add to a process of either kind."""
+    def _record(self, left: Array, i: int, kind: str) -> Record:
+        """Block means of a gyro, in which jumps of either kind are looked for."""
         runs = range(len(self.inputs))
         length = max(one.scene.blocks.count for one in self.inputs)
         values, seen = np.zeros((len(runs), length)), np.zeros((len(runs), length), bool)
@@ -118,15 +141,13 @@ class Processes:
         for r in runs:
             matrix = self.whiten.filters[i, r]
             part, count = self.whiten.rows.of(i, r), len(matrix)
-            values[r, :count] = self._inverse(i, r) @ left[part]
+            values[r, :count] = self._inverse(i, r)[0] @ left[part]
             scale = np.diag(matrix)
             # a block without samples has next to no weight
             seen[r, :count] = scale > 0.1 * float(np.median(scale))
             if kind == "gain":
                 weights[r] = float(np.mean(self._reading[r][i]))
-        inverse = self._inverse(i, 0)
-        background = Background.of(inverse @ inverse.T)
-        return jumps_add(values, seen, self.inputs[0].scene.blocks.length_s, weights, background)
+        return Record(values, seen, weights, self._inverse(i, 0)[1])
 
     def spread(self, i: int, kind: str) -> tuple[Array, Array]:
         """Variances of the process of unit size at gyro i in its eigenvectors; how many runs share each."""
@@ -139,12 +160,15 @@ class Processes:
             [np.full(len(d), float(k)) for d, k in every]
         )
 
-    def _inverse(self, i: int, r: int) -> Array:
-        """What turns whitened rows of a gyro in a run back."""
+    def _inverse(self, i: int, r: int) -> tuple[Array, Background]:
+        """What turns whitened rows of a gyro in a run back, and the background that it makes of them."""
         matrix = self.whiten.filters[i, r]
-        if id(matrix) not in self._inverses:
-            self._inverses[id(matrix)] = np.asarray(np.linalg.inv(matrix), np.float64)
-        return self._inverses[id(matrix)]
+        if id(matrix) not in self._known.inverses:
+            inverse = np.asarray(np.linalg.inv(matrix), np.float64)
+            middle = inverse[len(inverse) // 2]
+            background = Background.of(inverse[len(inverse) // 2 :] @ middle)
+            self._known.inverses[id(matrix)] = (inverse, background, matrix)
+        return self._known.inverses[id(matrix)][:2]
 
     def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
         """Ln B, best gain in ln likelihood, best size and its error."""
@@ -183,8 +207,11 @@ class Processes:
         self, i: int, r: int, blocks: Blocks, kind: str, factor: Array | None = None
     ) -> tuple[Array, Array]:
         matrix = self.whiten.filters[i, r]
+        if kind.startswith("forgets"):
+            # means over blocks cannot tell times that are shorter than a block apart
+            kind = f"forgets {max(float(kind.split()[1]), 1.2 * blocks.length_s)}"
         key = (id(matrix), kind, None if factor is None else factor.tobytes())
-        if key not in self._known:
+        if key not in self._known.eigen:
             covariance = _covariance(kind, blocks)
             if factor is not None:
                 covariance = covariance * np.outer(factor, factor)
@@ -196,8 +223,8 @@ class Processes:
             white += np.outer(constant, constant) * float(constant @ part)
             values, vectors = np.linalg.eigh(white)
             some = values > 1e-6 * values[-1]
-            self._known[key] = (vectors[:, some], values[some], matrix)
-        return self._known[key][:2]
+            self._known.eigen[key] = (vectors[:, some], values[some], matrix)
+        return self._known.eigen[key][:2]
 
 
 def _unknown(name: tuple[str, ...], log_b: float, gain: float, share: float) -> Finding:
@@ -229,5 +256,5 @@ def size_logs(d: Array, runs: Array, z2: Array) -> tuple[Array, Array]:
 def _covariance(kind: str, blocks: Blocks) -> Array:
     if not kind.startswith("forgets"):
         return process_covariance(kind, 1.0, blocks)
-    time = max(float(kind.split()[1]), 1.2 * blocks.length_s)
+    time = float(kind.split()[1])
     return np.exp(-np.abs(np.subtract.outer(blocks.centre_s, blocks.centre_s)) / time)

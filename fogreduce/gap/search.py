@@ -27,7 +27,7 @@ from fogreduce.gap.fast import Fast
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.fitted import Model, modelled, refined
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
-from fogreduce.gap.processes import CATALOGUED, Eigen, Processes
+from fogreduce.gap.processes import CATALOGUED, Known, Processes
 
 Array = NDArray[np.float64]
 
@@ -171,7 +171,7 @@ class Search:
     fast: Fast = field(init=False)
     ground: Ground = field(init=False)
     _filters: dict[tuple[object, ...], Array] = field(init=False, default_factory=dict, repr=False)
-    _eigen: dict[tuple[object, ...], Eigen] = field(init=False, default_factory=dict, repr=False)
+    _known: Known = field(init=False, default_factory=Known, repr=False)
 
     def __post_init__(self) -> None:
         self.fast = Fast(self.data, self.allowed)
@@ -196,7 +196,7 @@ class Search:
             nominal,
             Bundles(all_candidates(builder)),
             Bundles(families(data.inputs, whiten, builder.plain, self.allowed)),
-            Processes(data.inputs, whiten, builder.plain, self._eigen),
+            Processes(data.inputs, whiten, builder.plain, self._known),
             frozenset(c.key for c in slow),
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.jumps import Background, jumps_add
+from fogreduce.gap.jumps import Background, Record, jumps_add
 
 Array = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ def _added(process: Array, rng: np.random.Generator, weights: Array) -> float:
     seen = np.ones(values.shape, bool)
     seen[:, 7] = False
     values[:, 7] = 1e6  # what does not count may be anything
-    return jumps_add(values, seen, 1.0, weights, Background(1.0, 0.0, 0.0))
+    return jumps_add([Record(values, seen, weights, Background(1.0, 0.0, 0.0))], 1.0)[0]
 
 
 def test_jumps_are_told_from_a_gaussian_process() -> None:
@@ -56,8 +56,8 @@ def test_noise_alone_has_no_jumps() -> None:
 
 
 def test_background_of_a_covariance() -> None:
-    lag = np.abs(np.subtract.outer(np.arange(200), np.arange(200)))
-    found = Background.of(4.0 * np.eye(200) + 0.5 * np.exp(-lag / 10.0) + 9.0)
+    lag = np.arange(100)
+    found = Background.of(4.0 * (lag == 0) + 0.5 * np.exp(-lag / 10.0) + 9.0)
     assert np.isclose(found.sigma, 2.0, rtol=0.02)
     assert np.isclose(found.variance, 0.5, rtol=0.15)
     assert np.isclose(found.keep, np.exp(-1.0 / 10.0), atol=0.02)
