@@ -14,6 +14,7 @@ from fogreduce.datasets.flags import GyroFlag, RecordFlag
 from fogreduce.datasets.logs import read_temperature
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.effects.selection import Action
 from fogreduce.errors import BadInput, Fault
 from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.predict import Scene
@@ -109,7 +110,7 @@ def read_inputs(
     return inputs
 
 
-def read_samples(one: RunInput, capture: Path | None = None) -> Samples:
+def read_samples(one: RunInput, capture: Path | None = None, actions: Sequence[Action] = ()) -> Samples:
     """The capture of a run beside its prediction, every sample.
 
     Parameters
@@ -117,6 +118,8 @@ def read_samples(one: RunInput, capture: Path | None = None) -> Samples:
     one : RunInput
     capture : path
         Another capture of the same run than its own.
+    actions : sequence of Action
+        Effects in the chain that predicts; no filters, which remember what came before.
     """
     facts, run = one.facts, one.run
     path = capture or one.folder / run.capture.file
@@ -136,7 +139,7 @@ def read_samples(one: RunInput, capture: Path | None = None) -> Samples:
         pulse = block.pulse[take]
         time_s = pulse / facts.sample_rate_hz
         measured = one.scene.rates(block.volts[:, take].copy())
-        predicted = one.scene.decoded(time_s)
+        predicted = one.scene.decoded(time_s, actions)
         values = measured - predicted
         flag = block.gyro_flag[:, take]
         if facts.sample_rate_hz < SLOWEST_HZ:

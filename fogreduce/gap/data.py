@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.effects.model import Stage
+from fogreduce.effects.selection import Action
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import SLOWEST_HZ, RunInput, Samples, block_residual, read_inputs, read_samples
 from fogreduce.gap.converter import Codes, codes
@@ -72,6 +74,14 @@ class Data:
         residual = [np.where(mask, value, 0.0) for mask, value in zip(keep, self.residual, strict=True)]
         return replace(self, residual=residual, sizes=sizes)
 
+    def beside(self, actions: Sequence[Action]) -> Data:
+        """The same with the full rate held against a chain with effects in it, filters left out.
+
+        What a gross fault changes is far larger than noise: its curvature within a second passes for lines.
+        """
+        steady = [a for a in actions if a.effect.stage != Stage.FILTER]
+        return replace(self, full=[_full_rate(one, read_samples(one, None, steady)) for one in self.inputs])
+
 
 def read_data(
     campaign: Path, calibrations: Path, only: Sequence[str] = (), simulated: Path | None = None
@@ -79,10 +89,7 @@ def read_data(
     """Read a campaign's captures and hold them against the simulator, or against another one's captures."""
     inputs = read_inputs(campaign, calibrations, only)
     captures = [read_samples(one) for one in inputs]
-    full = [
-        full_rate(s, one.facts, stream(0, "gap", one.facts.run_id))
-        for one, s in zip(inputs, captures, strict=True)
-    ]
+    full = [_full_rate(one, s) for one, s in zip(inputs, captures, strict=True)]
     n = inputs[0].facts.n_gyros
     bits = np.array([zero_bits(full, i) for i in range(n)])
     residual, sizes = [], []
@@ -97,6 +104,10 @@ def read_data(
     stated = np.array(inputs[0].record.stated_noise.angle_random_walk_deg_sqrt_h)
     cells = [_codes(one, samples, run) for one, samples, run in zip(inputs, captures, full, strict=True)]
     return Data(inputs, residual, sizes, full, stated, bits, _rails(captures, full, inputs), cells)
+
+
+def _full_rate(one: RunInput, samples: Samples) -> FullRate:
+    return full_rate(samples, one.facts, stream(0, "gap", one.facts.run_id))
 
 
 def _codes(one: RunInput, samples: Samples, run: FullRate) -> list[Codes | None]:

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.effects.selection import Action
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.builder import Builder
 from fogreduce.gap.bundles import Bundles
@@ -103,7 +104,7 @@ class Option:
 
 @dataclass
 class Ground:
-    """What candidates are held against: whitener, metric, residual and the candidates themselves."""
+    """What candidates are held against: whitener, metric, residual, candidates, full rate."""
 
     whiten: Whitener
     metric: Metric
@@ -112,6 +113,7 @@ class Ground:
     candidates: Bundles
     families: Bundles
     processes: Processes
+    fast: Fast
     base: frozenset[Key] = frozenset()
 
 
@@ -170,6 +172,7 @@ class Search:
     allowed: frozenset[str]
     fast: Fast = field(init=False)
     ground: Ground = field(init=False)
+    _beside: dict[str, Fast] = field(init=False, default_factory=dict, repr=False)
     _filters: dict[tuple[object, ...], Array] = field(init=False, default_factory=dict, repr=False)
     _known: Known = field(init=False, default_factory=Known, repr=False)
 
@@ -182,9 +185,10 @@ class Search:
     def _ground(self, base: Sequence[Cause]) -> Ground:
         """Whitened residual and candidates, built about a chain with causes in it; processes whiten."""
         data = self.data
-        whiten = whitener(data.inputs, data.sizes, self.fast.level, _processes(base), self._filters)
         slow = [c for c in base if c.slow]
         actions = [c.action(data.run_ids, data.n) for c in slow]
+        fast = self._fast_beside(actions)
+        whiten = whitener(data.inputs, data.sizes, fast.level, _processes(base), self._filters)
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
         y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
         metric = Metric.of(whiten(nuisances(data.inputs, actions)))
@@ -197,8 +201,24 @@ class Search:
             Bundles(all_candidates(builder)),
             Bundles(families(data.inputs, whiten, builder.plain, self.allowed)),
             Processes(data.inputs, whiten, builder.plain, self._known),
+            fast,
             frozenset(c.key for c in slow),
         )
+
+    def _fast_beside(self, actions: Sequence[Action]) -> Fast:
+        """The full rate held against a chain with effects in it, where what they change is gross."""
+        if not actions:
+            return self.fast
+        key = repr([(a.effect.name, a.gyros, sorted(a.runs), a.parameters) for a in actions])
+        if key not in self._beside:
+            data = self.data
+            whiten = whitener(data.inputs, data.sizes, self.fast.level, {}, self._filters)
+            change = whiten.rows.stacked(
+                [one.scene.block_means(actions) - one.scene.block_means() for one in data.inputs]
+            )
+            size = float(np.linalg.norm(whiten(change[:, None])))
+            self._beside[key] = Fast(data.beside(actions), self.allowed) if size > _GROSS else self.fast
+        return self._beside[key]
 
     def ground_of(self, causes: Sequence[Cause]) -> Ground:
         """The ground beside some causes: its noise has their processes in it."""
@@ -229,7 +249,10 @@ class Search:
                 if not (fit.candidate.known and fit.candidate.key in taken):
                     out.append(self._slow_option(fit, state))
         left = state.field.metric.without(state.field.y)
-        findings = [*self.fast.findings(state.causes), *state.ground.processes.findings(left, self.allowed)]
+        findings = [
+            *state.ground.fast.findings(state.causes),
+            *state.ground.processes.findings(left, self.allowed),
+        ]
         slow_low_pass = {
             o.source.channels: o.log_b
             for o in out

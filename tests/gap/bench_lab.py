@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from fogreduce.cli.main import main
 from fogreduce.metadata.yaml12 import dump_yaml
 
+#: Both senses about x and about y, slowly about z, and still [deg/s].
+RATES = (10.0, -10.0, 10.0, -10.0, 0.5, 0.0)
 AXES = {"x": {"x": "up", "z": "north"}, "y": {"y": "up", "x": "north"}, "z": {"z": "up", "y": "north"}}
 RECORD = {
     "schema": "fogreduce/calibration/1",
@@ -38,13 +41,18 @@ ONE_GYRO = {
 }
 
 
-def lab(root: Path, record: dict = RECORD, rate_hz: float = 64.0, duration_s: float = 120.0) -> None:
-    """Six runs without captures: both senses about x and y, one slow, one still."""
+def lab(
+    root: Path,
+    record: dict = RECORD,
+    rate_hz: float = 64.0,
+    duration_s: float = 120.0,
+    rates: Sequence[float] = RATES,
+) -> None:
+    """Six runs without captures, two about x, two about y, one about z, one about x, at `rates` [deg/s]."""
     n = len(record["bias_V"])
     (root / "cal" / "U").mkdir(parents=True)
     (root / "cal" / "U" / "1.yaml").write_text(dump_yaml(record))
-    turns = [("x", 10.0), ("x", -10.0), ("y", 10.0), ("y", -10.0), ("z", 0.5), ("x", 0.0)]
-    for k, (axis, rate) in enumerate(turns):
+    for k, (axis, rate) in enumerate(zip("xxyyzx", rates, strict=True)):
         folder = root / "plan" / "runs" / f"r{k}"
         folder.mkdir(parents=True)
         run = {
