@@ -90,6 +90,19 @@ class Cause:
             self.finding is None or self.effect == "low_pass"
         )
 
+    @property
+    def process(self) -> dict[tuple[str, int], float]:
+        """(kind, gyro) -> size of what it adds to the noise; empty unless it is a random process."""
+        if self.finding is None or self.finding.process is None:
+            return {}
+        kind, size = self.finding.process
+        return {(kind, int(self.channels[0][4:]) - 1): size}
+
+    @property
+    def unlogged(self) -> bool:
+        """Whether a temperature without a log does it: it has no numbers and cannot be simulated."""
+        return self.finding is not None and EFFECTS[self.effect].needs_temperature
+
     def parameters(self) -> dict[str, Any]:
         """As an effects file has them."""
         if self.finding is not None:

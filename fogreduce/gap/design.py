@@ -29,7 +29,6 @@ from fogreduce.gap.next_runs import (
     temperature,
 )
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
-from fogreduce.gap.processes import CATALOGUED
 from fogreduce.gap.search import Option, Search
 from fogreduce.gap.verdict import Named, Verdict
 from fogreduce.gap.words import named
@@ -83,7 +82,7 @@ def proposed(search: Search, verdict: Verdict) -> NextRun | None:
     weight = np.array([max(one.probability, 1e-3), *(max(p, 1e-3) for _, p in others)])
     evidence = _evidence(one, own, [o for o, _ in others])
     bench = _Bench(search, rivals, evidence, _today(search, verdict, rivals))
-    soaks = any(EFFECTS[c.effect].needs_temperature for c in rivals)
+    soaks = any(EFFECTS[c.effect].needs_temperature and not c.unlogged for c in rivals)
     motion = _best(bench, list(proposals(search.data.inputs, soaks)), weight)
     # no longer than it takes; where no length is enough, the longest
     chosen, separation = motion, np.zeros((len(rivals), len(rivals)))
@@ -204,7 +203,7 @@ class _Bench:
 
     def _at_full_rate(self, k: int) -> bool:
         cause = self.rivals[k]
-        return not cause.slow and cause.effect not in CATALOGUED
+        return not cause.slow and not cause.process
 
     def _change(self, here: RunInput, cause: Cause, plain: Array) -> Array:
         """What a rival changes in the block means of a run, (rows,) [deg/h]."""
@@ -218,11 +217,7 @@ class _Bench:
 
     def _whitener(self, here: RunInput, pair: Sequence[Cause]) -> Whitener:
         """Of runs of one length; a rival that is a random process is part of the noise."""
-        further = {
-            (CATALOGUED[c.effect][0], int(c.channels[0][4:]) - 1): c.parameters()[CATALOGUED[c.effect][1]]
-            for c in pair
-            if c.effect in CATALOGUED
-        }
+        further = {key: size for c in pair for key, size in c.process.items()}
         blocks = here.scene.blocks
         key = (blocks.count, blocks.length_s, *sorted(further.items()))
         if key not in self._known:
@@ -247,6 +242,8 @@ def _document(
         why += ", which is not enough, and no run that was weighed brings more"
     if left:
         why += f". {', '.join(left)}: not told from all of these"
+    if any(c.unlogged for c in rivals):
+        why += ". A temperature log in every run would tell what a temperature does from the rest"
     out: dict[str, Any] = {
         "separates": names,
         "table": {"axis": proposal.axis, "profile": proposal.profile()},

@@ -17,7 +17,8 @@ from fogreduce.gap.capture import RunInput
 from fogreduce.gap.detectable import TOLD_APART, Row, crossing, threshold
 from fogreduce.gap.evidence import log_bayes, log_mean_exp
 from fogreduce.gap.noise_model import Metric, nuisances, whitener
-from fogreduce.gap.processes import CATALOGUED, Processes, size_logs
+from fogreduce.gap.process_sizes import size_logs
+from fogreduce.gap.processes import CATALOGUED, Processes
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]

@@ -33,7 +33,7 @@ class Diagnosis:
     document : mapping
         What diagnosis.json holds.
     effects : list of mappings
-        Causes as entries of an effects file.
+        Causes as entries of an effects file; what a temperature without a log does cannot be among them.
     data, search, verdict : what it rests on
     places : list of Place
     closure : Closure or None
@@ -77,8 +77,7 @@ def diagnose(
     y0 = search.state([], nothing)
     verdict = judged(search)
     findings = [f for f in search.fast.findings([])]
-    left = y0.field.metric.without(y0.field.y)
-    findings += list(nothing.processes.findings(left, allowed))
+    findings += list(nothing.processes.findings(y0.field, allowed))
     faults = [*where.gross(y0.field, nothing.candidates), *where.joined(nothing.families)]
     seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
     found = where.places(y0.field, seats, findings, data.run_ids)
@@ -104,6 +103,7 @@ def diagnose(
     effects = [
         {"effect": c.effect, "channels": list(c.channels), "runs": list(c.runs), "parameters": c.parameters()}
         for c in verdict.state.causes
+        if not c.unlogged
     ]
     return Diagnosis(document, effects, data, search, verdict, found, closure)
 

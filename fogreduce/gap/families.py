@@ -18,7 +18,7 @@ from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.families_table import of_table
-from fogreduce.gap.family import HARMONICS, family, lessened, modes, waves_of_angle
+from fogreduce.gap.family import HARMONICS, diagonal, family, lessened, modes, waves_of_angle
 from fogreduce.gap.noise_model import Whitener
 from fogreduce.gap.waveforms import after_effects, memories, recoveries, sawteeth, steps
 
@@ -108,7 +108,7 @@ def _of_gyros(
 
         each = [np.ones((c, 1)) for c in rows.counts]
         single = share * (lessened("bias_offset", allowed) if runs == 1 else 1.0)
-        yield family(name, here, whiten(_diagonal(each), here)[:, None, :], "mean", "gyro", share=single)
+        yield family(name, here, whiten(diagonal(each), here)[:, None, :], "mean", "gyro", share=single)
         for r, one in enumerate(inputs):
             run = (one.facts.run_id,)
             part = rows.of(i, r)
@@ -127,7 +127,7 @@ def _of_gyros(
         yield family(name, here, timed(i, "sawteeth"), "low_frequency", "gyro", share=share)
         yield family(name, here, timed(i, "recoveries"), "drift", "gyro", share=share)
         if runs > 1:
-            every = whiten(_diagonal([modes(c, 1, _MODES) for c in rows.counts]), here)[:, None, :]
+            every = whiten(diagonal([modes(c, 1, _MODES) for c in rows.counts]), here)[:, None, :]
             yield family(name, here, every, "low_frequency", "gyro", share=share)
         reading = [p[i] / SECONDS_PER_HOUR / 10.0 for p in plain]
         if len(plain[0]) >= 3:
@@ -191,16 +191,6 @@ def _bumps(reading: Sequence[Array]) -> list[Array]:
     if len(edges) < 4:
         return []
     return [np.column_stack([np.interp(m, edges, unit) for unit in np.eye(len(edges))[1:]]) for m in reading]
-
-
-def _diagonal(parts: Sequence[Array]) -> Array:
-    """Columns of each run by themselves: a block-diagonal matrix."""
-    out = np.zeros((sum(len(p) for p in parts), sum(p.shape[1] for p in parts)))
-    row = column = 0
-    for part in parts:
-        out[row : row + len(part), column : column + part.shape[1]] = part
-        row, column = row + len(part), column + part.shape[1]
-    return out
 
 
 def _periods(one: RunInput, longest_s: float) -> Array:

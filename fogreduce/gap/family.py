@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,3 +64,13 @@ def waves_of_angle(one: RunInput, turns: bool) -> Array:
     alpha = one.facts.profile.angle_at(blocks.time_s.copy())
     pairs = [f(n * alpha) for n in HARMONICS for f in (np.cos, np.sin)]
     return blocks.means(np.array(pairs)).T
+
+
+def diagonal(parts: Sequence[Array]) -> Array:
+    """Columns of each run by themselves: a block-diagonal matrix."""
+    out = np.zeros((sum(len(p) for p in parts), sum(p.shape[1] for p in parts)))
+    row = column = 0
+    for part in parts:
+        out[row : row + len(part), column : column + part.shape[1]] = part
+        row, column = row + len(part), column + part.shape[1]
+    return out

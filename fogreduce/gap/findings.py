@@ -32,6 +32,8 @@ class Finding:
         The contract's words for where it shows.
     degrees : int
         Numbers that were free, for the place's significance.
+    process : (kind, size) or None
+        Of a random process of the catalogue: what it adds to the noise.
     """
 
     effect: str
@@ -45,6 +47,7 @@ class Finding:
     stage: str
     feature: str
     degrees: int = 1
+    process: tuple[str, float] | None = None
 
     @property
     def known(self) -> bool:

@@ -22,6 +22,7 @@ from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.selection import Action, action
 from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.capture import RunInput
+from fogreduce.gap.unlogged import unlogged_covariance
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.physics.frames import across
 from fogreduce.physics.noise import flicker_covariance, white_sigma
@@ -128,10 +129,20 @@ def block_covariance(
     return covariance
 
 
+def relative(plain: Sequence[Array]) -> list[Array]:
+    """Readings (n, blocks) of each run, of the largest that the gyro has in any."""
+    largest = np.max([np.abs(p).max(axis=1) for p in plain], axis=0)
+    return [p / np.maximum(largest, 1e-300)[:, None] for p in plain]
+
+
 def process_covariance(kind: str, size: float, blocks: Blocks) -> Array:
-    """Covariance [(deg/h)^2] of block means of flicker of B [deg/h] or a walk of K [deg/h/sqrt(h)] from 0."""
+    """Covariance [(deg/h)^2] of block means of flicker of B [deg/h], a walk of K [deg/h/sqrt(h)] from 0, or
+    what a temperature without a log does, [deg/h] per unit of it.
+    """
     if size == 0.0:
         return np.zeros((blocks.count, blocks.count))
+    if kind.startswith(("warmth", "warming")):
+        return size**2 * unlogged_covariance(kind, blocks)
     index = np.arange(blocks.count)
     if kind == "flicker":
         lags = flicker_covariance(size, blocks.length_s, blocks.count)
@@ -162,7 +173,7 @@ def whitener(
     level : (n,) array
         White noise as found over that of the record.
     further : mapping
-        (``flicker`` or ``walk``, gyro) -> size of a further process.
+        (kind, gyro) -> size of a further process; ``gain`` before its kind: it goes with the reading.
     known : dict
         Filters made before for the same runs and level, to which new ones are added.
     """
@@ -170,6 +181,8 @@ def whitener(
     n = inputs[0].facts.n_gyros
     filters: dict[tuple[int, int], Array] = {}
     known = {} if known is None else known
+    gains = {at for kind, at in further or {} if kind.startswith("gain ")}
+    readings = relative([one.scene.block_means() for one in inputs]) if gains else []
     for r, one in enumerate(inputs):
         blocks, rate = one.scene.blocks, one.facts.sample_rate_hz
         for i in range(n):
@@ -180,6 +193,8 @@ def whitener(
             # runs whose blocks are whole in the same places have one filter
             key = (*key, (sizes[r][i] > 0.0).tobytes() if near else (r, sizes[r][i].tobytes()))
             key = (*key, *sorted((kind, size) for (kind, at), size in (further or {}).items() if at == i))
+            if i in gains:
+                key = (*key, readings[r][i].tobytes())
             if key not in known:
                 terms = (
                     noise.angle_random_walk_deg_sqrt_h[i] * level[i],
@@ -190,7 +205,10 @@ def whitener(
                 covariance = block_covariance(blocks, sizes[r][i], rate, terms)
                 for (kind, gyro), size in (further or {}).items():
                     if gyro == i:
-                        covariance += process_covariance(kind, size, blocks)
+                        more = process_covariance(kind.removeprefix("gain "), size, blocks)
+                        covariance += (
+                            more * np.outer(*[readings[r][i]] * 2) if kind.startswith("gain ") else more
+                        )
                 known[key] = np.linalg.inv(np.linalg.cholesky(covariance))
             filters[i, r] = known[key]
     return Whitener(Rows(tuple(one.scene.blocks.count for one in inputs), n), filters)

@@ -259,7 +259,10 @@ def _left_out(diagnosis: Diagnosis) -> str:
             "but the way it changes from run to run."
         )
     if any(one.scene.temperature is None for one in diagnosis.data.inputs):
-        said.append("Not every run has a temperature log: effects of temperature are not looked for.")
+        said.append(
+            "Not every run has a temperature log: what a temperature does is known by its smoothness alone, "
+            "without numbers, and stays out of simulator.yaml."
+        )
     if max((run.pieces for run in diagnosis.data.full), default=0) == 0:
         said.append("Too few samples for a spectrum: noise levels, lines and filters are not looked for.")
     if diagnosis.document["causes"]:

@@ -20,10 +20,12 @@ from numpy.typing import NDArray
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.capture import RunInput
-from fogreduce.gap.evidence import log_mean_exp
+from fogreduce.gap.evidence import Field, log_mean_exp
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.jumps import Background, Record, jumps_add
-from fogreduce.gap.noise_model import Whitener, process_covariance
+from fogreduce.gap.noise_model import Whitener, process_covariance, relative
+from fogreduce.gap.process_sizes import STEPS, size_logs, whole_evidence
+from fogreduce.gap.unlogged import HOLDS_S, UNLOGGED
 
 Array = NDArray[np.float64]
 
@@ -34,7 +36,6 @@ _OF_GAIN = 0.5  # of those, how often it goes with the reading
 _JUMPS = 0.5  # and how often it jumps
 _WORTH = 4.0  # ln evidence of a process from which on jumps are looked for
 _STEADY = 0.02  # spread of a reading, relative to the largest, that counts as none
-_LOWEST, _HIGHEST, _STEPS = 1.5, 3000.0, 40
 
 
 @dataclass
@@ -76,25 +77,26 @@ class Processes:
         self.inputs, self.whiten = inputs, whiten
         self._known = Known() if known is None else known
         self._found: dict[tuple[bytes, frozenset[str]], list[Finding]] = {}
-        largest = np.max([np.abs(p).max(axis=1) for p in plain], axis=0)
-        self._reading = [p / np.maximum(largest, 1e-300)[:, None] for p in plain]
+        self._reading = relative(plain)
+        self._warm = all(one.scene.temperature is not None for one in inputs)
         self._turns = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
 
-    def findings(self, left: Array, allowed: frozenset[str]) -> list[Finding]:
+    def findings(self, field: Field, allowed: frozenset[str]) -> list[Finding]:
         """Every process at every gyro; remembered, for a residual may come again.
 
         Parameters
         ----------
-        left : (rows,) array
-            Whitened residual less expected nuisances and causes.
+        field : Field
+            Whitened residual less causes, and the metric of stated uncertainties and causes.
         allowed : names of effects
         """
+        left = field.metric.without(field.y)
         key = (left.tobytes(), allowed)
         if key not in self._found:
-            self._found[key] = list(self._findings(left, allowed))
+            self._found[key] = list(self._findings(field, left, allowed))
         return self._found[key]
 
-    def _findings(self, left: Array, allowed: frozenset[str]) -> Iterator[Finding]:
+    def _findings(self, field: Field, left: Array, allowed: frozenset[str]) -> Iterator[Finding]:
         n = self.whiten.rows.n
         # what may jump: place, its record, and ln evidence, gain and share of the process without jumps
         jumping: list[tuple[tuple[str, ...], Record, float, float, float]] = []
@@ -115,10 +117,13 @@ class Processes:
                     "noise" if known else "gyro",
                     "low_frequency",
                     8,
+                    (kind, value) if known else None,
                 )
+            if not self._warm:
+                yield from self._unlogged(field, left, i, allowed)
             kinds = [("forgets", _SHARE)]
             if self._turns:
-                kinds.append(("gain", _SHARE * _OF_GAIN))
+                kinds.append(("gain forgets", _SHARE * _OF_GAIN))
             for kind, weight in kinds:
                 share = weight / n
                 found = [self._held(left, i, f"{kind} {time}") for time in _FORGETS_S]
@@ -131,6 +136,49 @@ class Processes:
         added = jumps_add([one[1] for one in jumping], self.inputs[0].scene.blocks.length_s)
         for (place, _, log_b, gain, share), more in zip(jumping, added, strict=True):
             yield _unknown(place, log_b + more, gain + more, share)
+
+    def _unlogged(self, field: Field, left: Array, i: int, allowed: frozenset[str]) -> Iterator[Finding]:
+        """What a temperature without a log may do at gyro i; nobody knows how far it went: it has no numbers.
+
+        That there is one, its waveform says. Which effect it drives, the runs' means say as well: warmth
+        begins at nothing, its rate does not.
+        """
+        name, share = (gyro_name(i),), 1.0 / self.whiten.rows.n
+        held: dict[str, tuple[float, float, float, str]] = {}
+        whole: dict[str, float] = {}
+        for effect, kind in UNLOGGED.items():
+            if kind.startswith("gain") and not self._turns:
+                continue
+            found = [(*self._held(left, i, f"{kind} {hold}")[:3], f"{kind} {hold}") for hold in HOLDS_S]
+            _, gain, size, best = max(found, key=lambda one: one[0])
+            held[effect] = float(log_mean_exp(np.array([one[0] for one in found]))), gain, size, best
+            readings = [p[i] for p in self._reading] if kind.startswith("gain") else None
+            wholes = [
+                whole_evidence(field, self.whiten, self.inputs, i, f"{kind} {hold}", readings)
+                for hold in HOLDS_S
+            ]
+            whole[effect] = float(log_mean_exp(np.array(wholes)))
+        total = np.logaddexp.reduce([one[0] for one in held.values()])
+        total -= np.logaddexp.reduce(list(whole.values()))
+        for effect, (_, gain, size, best) in held.items():
+            log_b = float(total + whole[effect])
+            if effect not in allowed:
+                yield _unknown(name, log_b, gain, share)
+                continue
+            yield Finding(
+                effect,
+                name,
+                ("*",),
+                log_b,
+                2.0 * gain,
+                {},
+                share,
+                "process",
+                "gyro",
+                "low_frequency",
+                8,
+                (best, size),
+            )
 
     def _record(self, left: Array, i: int, kind: str) -> Record:
         """Block means of a gyro, in which jumps of either kind are looked for."""
@@ -145,7 +193,7 @@ class Processes:
             scale = np.diag(matrix)
             # a block without samples has next to no weight
             seen[r, :count] = scale > 0.1 * float(np.median(scale))
-            if kind == "gain":
+            if kind.startswith("gain"):
                 weights[r] = float(np.mean(self._reading[r][i]))
         return Record(values, seen, weights, self._inverse(i, 0)[1])
 
@@ -184,7 +232,7 @@ class Processes:
         a2, logs = size_logs(d, runs, z2)
         k = int(np.argmax(logs))
         size = float(np.sqrt(a2[k]))
-        inside = min(max(k, 1), _STEPS - 2)
+        inside = min(max(k, 1), STEPS - 2)
         h = np.log(a2[1] / a2[0])
         bend = (logs[inside - 1] - 2.0 * logs[inside] + logs[inside + 1]) / h**2
         shift = -(logs[inside + 1] - logs[inside - 1]) / (2.0 * h) / bend if bend < 0.0 else 0.0
@@ -196,7 +244,7 @@ class Processes:
     def _shape(self, i: int, r: int, blocks: Blocks, kind: str) -> tuple[Array, Array]:
         if not kind.startswith("gain"):
             return self._eigen(i, r, blocks, kind)
-        reading, other = self._reading[r][i], kind.replace("gain", "forgets")
+        reading, other = self._reading[r][i], kind.removeprefix("gain ")
         middle = float(np.mean(reading))
         if float(np.ptp(reading)) < _STEADY * max(abs(middle), _STEADY):
             vectors, d = self._eigen(i, r, blocks, other)
@@ -231,26 +279,6 @@ def _unknown(name: tuple[str, ...], log_b: float, gain: float, share: float) -> 
     return Finding(
         "unknown", name, ("*",), log_b, 2.0 * gain, {}, share, "process", "gyro", "low_frequency", 8
     )
-
-
-def size_logs(d: Array, runs: Array, z2: Array) -> tuple[Array, Array]:
-    """Squared sizes (sizes,) of a process, and ln B of each, (sizes, ...).
-
-    Parameters
-    ----------
-    d : (D,) array
-        Variances of the whitened process of unit size in its eigenvectors.
-    runs : (D,) array
-        How many runs share each.
-    z2 : (D, ...) array
-        Squared residuals there, summed over those runs.
-    """
-    # sizes from where the process would hardly show to where it drowns everything
-    order = 1.0 / max(float(np.sqrt(np.sum(runs * d**2))), 1e-300)
-    a2 = order * np.geomspace(_LOWEST, _LOWEST * _HIGHEST, _STEPS)
-    grown = a2[:, None] * d
-    none = (np.log1p(grown) @ runs).reshape(-1, *(1,) * (z2.ndim - 1))
-    return a2, np.asarray(0.5 * ((grown / (1.0 + grown)) @ z2 - none))
 
 
 def _covariance(kind: str, blocks: Blocks) -> Array:

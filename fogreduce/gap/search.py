@@ -28,7 +28,7 @@ from fogreduce.gap.fast import Fast
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.fitted import Model, modelled, refined
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
-from fogreduce.gap.processes import CATALOGUED, Known, Processes
+from fogreduce.gap.processes import Known, Processes
 
 Array = NDArray[np.float64]
 
@@ -248,10 +248,9 @@ class Search:
             for fit in bundles.fits(state.field):
                 if not (fit.candidate.known and fit.candidate.key in taken):
                     out.append(self._slow_option(fit, state))
-        left = state.field.metric.without(state.field.y)
         findings = [
             *state.ground.fast.findings(state.causes),
-            *state.ground.processes.findings(left, self.allowed),
+            *state.ground.processes.findings(state.field, self.allowed),
         ]
         slow_low_pass = {
             o.source.channels: o.log_b
@@ -305,7 +304,7 @@ class Search:
     def credit(self, step: Step) -> float:
         """What departures from shape explain of what the unknown would take: ln of evidence."""
         wandered = step.state.wandered
-        if not step.state.causes or any(c.effect in CATALOGUED for c in step.state.causes):
+        if not step.state.causes or any(c.process for c in step.state.causes):
             return wandered
         places = {channel for c in step.state.causes for channel in c.channels}
         anywhere = any(not place.startswith("gyro") for place in places)
@@ -374,17 +373,28 @@ class Search:
         """Every cause but the last set against all others in its place; the better one stays."""
         change = 0.0
         for k in range(len(state.causes) - 1):
-            if state.causes[k].finding is not None or state.causes[k].key in state.ground.base:
+            cause, ground = state.causes[k], state.ground
+            if (cause.finding is not None and not cause.process) or cause.key in ground.base:
                 continue
             others = [c for j, c in enumerate(state.causes) if j != k]
-            without = self.state(others, state.ground, refine=False)
+            if cause.process:
+                ground = self._ground_beside(others, ground)
+            without = self.state(others, ground, refine=False)
             choice = [o for o in self.options(without) if o.known and (processes or not o.process)]
-            now = next((o for o in choice if o.key == state.causes[k].key), None)
+            now = next((o for o in choice if o.key == cause.key), None)
             best = max(choice, key=lambda o: o.score, default=None)
-            if now is not None and best is not None and not best.process and best.score > now.score + 1.0:
+            if now is None or best is None or (best.process and not cause.process):
+                continue
+            if best.score > now.score + 1.0:
                 change += best.score - now.score
-                state = self.state([*others[:k], best.cause(), *others[k:]], state.ground)
+                causes = [*others[:k], best.cause(), *others[k:]]
+                state = self.state(causes, self._ground_beside(causes, ground) if best.process else ground)
         return state, change
+
+    def _ground_beside(self, causes: Sequence[Cause], ground: Ground) -> Ground:
+        """The ground with the processes of other causes in its noise, and the same in its chain."""
+        base = [c for c in causes if c.process or c.key in ground.base]
+        return self._ground(base) if base else self.ground
 
 
 def _beyond(fit: Fit) -> bool:
@@ -405,8 +415,4 @@ def _log_prior(known: bool, share: float) -> float:
 
 def _processes(causes: Sequence[Cause]) -> dict[tuple[str, int], float]:
     """Sizes of the random processes among causes, by kind and gyro."""
-    return {
-        (CATALOGUED[c.effect][0], int(c.channels[0][4:]) - 1): c.parameters()[CATALOGUED[c.effect][1]]
-        for c in causes
-        if c.effect in CATALOGUED
-    }
+    return {key: size for c in causes for key, size in c.process.items()}

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fogreduce.gap.processes import CATALOGUED
 from fogreduce.gap.search import LOG_FURTHER, LOG_GAP, Option, Search, State, Step
 
 #: Rivals whose evidence times prior falls short of the best by less than this cannot be excluded.
@@ -78,7 +77,7 @@ def judged(search: Search) -> Verdict:
         return Verdict("no_gap", float(gap), min(share, 1.0), path[0].state, first, ())
     # (step, its options less one cause, whether anything unknown beside it, ln score)
     ways = _ways(search, path)
-    if any(c.effect in CATALOGUED for step in path for c in step.state.causes):
+    if any(c.process for step in path for c in step.state.causes):
         # steps and drifts beside an unknown process are a roundabout way to a walk
         ways += [
             (step, something, score - _ROUNDABOUT * something)
@@ -140,7 +139,7 @@ def _named(search: Search, state: State, k: int, first: list[Option]) -> Named:
     others = [c for j, c in enumerate(state.causes) if j != k]
     if not others:
         options = first
-    elif cause.effect in CATALOGUED or cause.key in state.ground.base:
+    elif cause.process or cause.key in state.ground.base:
         # neither noise nor chain must have the cause in them already
         options = search.options(search.state(others, search.ground_of(others), refine=False))
     else:

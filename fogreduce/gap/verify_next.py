@@ -64,7 +64,8 @@ def verified(
     told = best.document["separates"]
     beside = [c for k, c in enumerate(diagnosis.verdict.state.causes) if k != best.one.index]
     truths = []
-    for truth in [c for c in best.rivals if named(c) in told][:_MOST_TRUTHS]:
+    # what a temperature without a log does cannot be simulated
+    for truth in [c for c in best.rivals if named(c) in told and not c.unlogged][:_MOST_TRUTHS]:
         with tempfile.TemporaryDirectory() as scratch:
             whole = _campaign(
                 diagnosis,
@@ -76,7 +77,7 @@ def verified(
             )
             found = diagnose(whole, calibrations, without, _with_next(only)).document
         truths.append(_said(found, truth, told))
-    return {"separated": all(t["separated"] for t in truths), "truths": truths}
+    return {"separated": bool(truths) and all(t["separated"] for t in truths), "truths": truths}
 
 
 def _settled(diagnosis: Diagnosis, beside: Sequence[Cause], truth: Cause) -> Cause:
@@ -112,7 +113,7 @@ def _campaign(
     entries = [
         {"effect": c.effect, "channels": list(c.channels), "runs": [RUN_ID], "parameters": c.parameters()}
         for c in causes
-        if c.runs == ("*",)
+        if c.runs == ("*",) and not c.unlogged
     ]
     effects = {"schema": EFFECTS_SCHEMA, "effects": plain(entries + _fresh(diagnosis))}
     write_text(scratch / "effects.yaml", dump_yaml(effects))

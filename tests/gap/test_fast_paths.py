@@ -94,11 +94,11 @@ def test_a_motion_worked_out_before_changes_nothing(data, effect, channel, param
 
 def test_filters_and_eigenvectors_made_before_are_those_made_anew(data, search) -> None:
     again = Search(data, search.allowed)
-    left = again.ground.metric.without(again.ground.y)
-    first = list(search.ground.processes.findings(left, search.allowed))
+    field = again.state([], again.ground).field
+    first = list(search.ground.processes.findings(field, search.allowed))
     search._ground(())
-    second = list(search._ground(()).processes.findings(left, search.allowed))
-    anew = list(again.ground.processes.findings(left, search.allowed))
+    second = list(search._ground(()).processes.findings(field, search.allowed))
+    anew = list(again.ground.processes.findings(field, search.allowed))
     for one, two, three in zip(first, second, anew, strict=True):
         assert one.log_b == two.log_b
         assert one.log_b == pytest.approx(three.log_b, rel=1e-9)
