@@ -135,7 +135,8 @@ def read_samples(one: RunInput, capture: Path | None = None, actions: Sequence[A
     stamp = np.full(size, np.nan)
     for block in ingest.blocks(reader, 65536):
         # pulses keep true time, whatever the stamps say: a wrong stamp is no reason to leave a sample out
-        take = ((block.flag & RecordFlag.REPEATED) == 0) & (block.pulse < size)
+        wanted = ((block.flag & RecordFlag.REPEATED) == 0) & (block.pulse < size)
+        take = slice(None) if wanted.all() else wanted
         pulse = block.pulse[take]
         time_s = pulse / facts.sample_rate_hz
         measured = one.scene.rates(block.volts[:, take].copy())
@@ -145,16 +146,24 @@ def read_samples(one: RunInput, capture: Path | None = None, actions: Sequence[A
         if facts.sample_rate_hz < SLOWEST_HZ:
             flag = np.where(_as_predicted(values, predicted), flag & ~GyroFlag.SPURIOUS, flag)
         values[flag != 0] = np.nan
-        residual[:, pulse] = values
+        at = _places(pulse)
+        residual[:, at] = values
         if block.counts is not None:
-            counts[:, pulse] = block.counts[:, take]
+            counts[:, at] = block.counts[:, take]
         else:
             whole = np.rint(np.nan_to_num(block.volts[:, take]) / facts.volts_per_count)
-            counts[:, pulse] = np.where(flag & GyroFlag.MISSING, MISSING_COUNT, whole)
-        spurious[:, pulse] = (flag & GyroFlag.SPURIOUS) != 0
-        missing[:, pulse] = (flag & GyroFlag.MISSING) != 0
-        stamp[pulse] = block.time_us[take] / 1e6
+            counts[:, at] = np.where(flag & GyroFlag.MISSING, MISSING_COUNT, whole)
+        spurious[:, at] = (flag & GyroFlag.SPURIOUS) != 0
+        missing[:, at] = (flag & GyroFlag.MISSING) != 0
+        stamp[at] = block.time_us[take] / 1e6
     return Samples(residual, counts, spurious, missing, int(np.isnan(stamp).sum()), stamp)
+
+
+def _places(pulse: NDArray[np.int64]) -> NDArray[np.int64] | slice:
+    """Pulses as a slice where they follow one another."""
+    if pulse.size and np.all(np.diff(pulse) == 1):
+        return slice(int(pulse[0]), int(pulse[-1]) + 1)
+    return pulse
 
 
 def _as_predicted(departure: Array, predicted: Array) -> NDArray[np.bool_]:

@@ -134,12 +134,14 @@ def _filled(residual: Array, good: NDArray[np.bool_], generator: np.random.Gener
         gaps = np.flatnonzero(~there)
         if not gaps.size:
             continue
-        present = np.flatnonzero(there)
-        if present.size < 2:
+        present = row.size - gaps.size
+        if present < 2:
             row[:] = 0.0
             continue
-        near = np.searchsorted(present, gaps) + generator.integers(-64, 65, gaps.size)
-        row[gaps] = row[present[np.clip(near, 0, present.size - 1)]]
+        # samples that are present are counted by themselves: so many of them come before each gap
+        before = gaps - np.arange(gaps.size)
+        near = np.clip(before + generator.integers(-64, 65, gaps.size), 0, present - 1)
+        row[gaps] = row[near + np.searchsorted(before, near, side="right")]
     return filled
 
 
@@ -154,16 +156,19 @@ def _spectrum(filled: Array, rate_hz: float) -> tuple[int, Array, Array, Array]:
     cut = cut - cut.mean(axis=2, keepdims=True)
     cut = cut - (cut @ t / (t @ t))[..., None] * t
     first = min(FIRST_LINE, length // 8)
-    spectrum = np.fft.rfft(cut, axis=2)[:, :, first:-1] / np.sqrt(length)
+    lines = np.fft.rfft(cut, axis=2)[:, :, first:-1]
+    parts = np.stack([lines.real, lines.imag], axis=1) / np.sqrt(length)  # (n, 2, pieces, F)
     # a piece with an edge of the profile that came late, or with a glitch, is no noise
-    strength = np.mean(np.abs(spectrum) ** 2, axis=2)
+    strength = np.mean(np.sum(parts**2, axis=1), axis=2)
     usual = np.median(strength, axis=1, keepdims=True)
     calm = np.all(strength <= _CALM * usual, axis=0)
-    if calm.sum() >= 4:
-        spectrum, pieces = spectrum[:, calm], int(calm.sum())
-    power = np.mean(np.abs(spectrum) ** 2, axis=1)
-    by_line = spectrum.transpose(2, 0, 1)
-    cross = np.real(by_line @ by_line.conj().transpose(0, 2, 1)) / pieces
+    if 4 <= calm.sum() < pieces:
+        parts, pieces = parts[:, :, calm], int(calm.sum())
+    cross = np.empty((parts.shape[3], n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            cross[:, i, j] = cross[:, j, i] = np.sum(parts[i] * parts[j], axis=(0, 1)) / pieces
+    power: Array = np.diagonal(cross, axis1=1, axis2=2).T.copy()
     frequency = np.asarray(np.fft.rfftfreq(length)[first:-1], np.float64)
     return pieces, frequency, power, cross
 
@@ -203,7 +208,8 @@ def _ends(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> Array:
     ends = np.empty((len(counts), MOST_BITS + 1))
     for row, here, there in zip(ends, counts, good, strict=True):
         left = here[there & (here != MISSING_COUNT)]
-        for m in range(MOST_BITS + 1):
+        row[0] = left.size
+        for m in range(1, MOST_BITS + 1):
             # those that end in m zeros are among those that end in fewer
             left = left[(left & ((1 << m) - 1)) == 0]
             row[m] = left.size
@@ -217,14 +223,16 @@ def _stamps(stamp_s: Array, rate_hz: float) -> tuple[float, float, float, float]
     x, y = pulse_s[there], (stamp_s - pulse_s)[there]
     if x.size < 8 or np.ptp(x) == 0.0:
         return 0.0, np.inf, 0.0, 0.0
-    near = np.abs(y - np.median(y)) <= max(10.0 * float(np.median(np.abs(y - np.median(y)))), 1e-3)
-    x, y = x[near], y[near]
+    far = np.abs(y - np.median(y))
+    near = far <= max(10.0 * float(np.median(far)), 1e-3)
+    if not near.all():
+        x, y = x[near], y[near]
     u = (x - x.mean()) / np.ptp(x)
     bend = u * u - np.mean(u * u)
-    basis = np.column_stack([np.ones_like(u), u, bend - u * (bend @ u) / (u @ u)])
-    found = (basis.T @ y) / np.sum(basis**2, axis=0)
-    left = y - basis @ found
+    bend -= u * ((bend @ u) / (u @ u))
+    slope, bent = float(u @ y) / float(u @ u), float(bend @ y) / float(bend @ bend)
+    left = y - np.mean(y) - slope * u - bent * bend
     scatter = max(float(np.std(left)), 1e-6 / np.sqrt(12.0))
     slope_std = scatter / np.sqrt(float(u @ u)) / np.ptp(x)
-    bent = float(found[2]) / (scatter / np.sqrt(float(np.sum(basis[:, 2] ** 2))))
-    return float(found[1]) / np.ptp(x) * 1e6, slope_std * 1e6, scatter * 1e6, bent
+    deviate = bent * float(np.sqrt(bend @ bend)) / scatter
+    return slope / np.ptp(x) * 1e6, slope_std * 1e6, scatter * 1e6, deviate
