@@ -15,12 +15,14 @@ from fogreduce.effects.selection import Action
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import SLOWEST_HZ, RunInput, Samples, block_residual, read_inputs, read_samples
 from fogreduce.gap.converter import Codes, codes
-from fogreduce.gap.full_rate import FullRate, full_rate
+from fogreduce.gap.full_rate import LEAST_LINE_HZ, PIECE, FullRate, full_rate, straightened
 from fogreduce.gap.link import zero_bits
 from fogreduce.physics.noise import white_sigma
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
+
+_ASKED = 16  # times in a piece of a spectrum at which what effects change is asked for
 
 
 @dataclass(frozen=True)
@@ -79,8 +81,29 @@ class Data:
 
         What a gross fault changes is far larger than noise: its curvature within a second passes for lines.
         """
-        steady = [a for a in actions if a.effect.stage != Stage.FILTER]
-        return replace(self, full=[_full_rate(one, read_samples(one, None, steady)) for one in self.inputs])
+        return replace(
+            self, full=[_full_rate(one, read_samples(one, None, _steady(actions))) for one in self.inputs]
+        )
+
+    def bent(self, actions: Sequence[Action]) -> float:
+        """What effects change beside a straight line in each piece of a spectrum, in noise of one sample: the
+        sum of squares over all samples.
+        """
+        total = 0.0
+        for one in self.inputs:
+            rate = one.facts.sample_rate_hz
+            noise = white_sigma(self.stated_white, rate) * SECONDS_PER_HOUR
+            piece_s = max(PIECE / rate, 1.0 / LEAST_LINE_HZ)
+            pieces = max(int(one.facts.n_expected / rate / piece_s), 1)
+            time_s: Array = (np.arange(pieces * _ASKED, dtype=np.float64) + 0.5) * (piece_s / _ASKED)
+            change = one.scene.decoded(time_s, _steady(actions)) - one.scene.decoded(time_s)
+            squares = np.sum(straightened(change.reshape(self.n, pieces, _ASKED)) ** 2, axis=(1, 2))
+            total += float(np.sum(squares / np.maximum(noise, 1e-300) ** 2)) * piece_s * rate / _ASKED
+        return total
+
+
+def _steady(actions: Sequence[Action]) -> list[Action]:
+    return [a for a in actions if a.effect.stage != Stage.FILTER]
 
 
 def read_data(

@@ -145,16 +145,21 @@ def _filled(residual: Array, good: NDArray[np.bool_], generator: np.random.Gener
     return filled
 
 
+def straightened(values: Array) -> Array:
+    """Values (..., N) less the straight line that fits them best along the last axis."""
+    t = np.arange(values.shape[-1]) - (values.shape[-1] - 1) / 2.0
+    cut = values - values.mean(axis=-1, keepdims=True)
+    cut -= (cut @ t / (t @ t))[..., None] * t
+    return cut
+
+
 def _spectrum(filled: Array, rate_hz: float) -> tuple[int, Array, Array, Array]:
     n, size = filled.shape
     length = min(PIECE, size // 4)
     if length < 16 or rate_hz < SLOWEST_HZ:
         return 0, np.zeros(0), np.zeros((n, 0)), np.zeros((0, n, n))
     pieces = size // length
-    cut = filled[:, : pieces * length].reshape(n, pieces, length)
-    t = np.arange(length) - (length - 1) / 2.0
-    cut = cut - cut.mean(axis=2, keepdims=True)
-    cut = cut - (cut @ t / (t @ t))[..., None] * t
+    cut = straightened(filled[:, : pieces * length].reshape(n, pieces, length))
     first = min(FIRST_LINE, length // 8)
     lines = np.fft.rfft(cut, axis=2)[:, :, first:-1]
     parts = np.stack([lines.real, lines.imag], axis=1) / np.sqrt(length)  # (n, 2, pieces, F)
@@ -182,16 +187,13 @@ def _lines(filled: Array, rate_hz: float) -> tuple[Array, NDArray[np.complex128]
     whole = size // second * second
     if whole == 0:
         return np.zeros(0), np.zeros((n, 0), complex)
-    t = np.arange(second) - (second - 1) / 2.0
     frequency = np.asarray(np.fft.rfftfreq(padded, 1.0 / rate_hz), np.float64)
     # the lines that are kept lie side by side
     low = int(np.searchsorted(frequency, 2.0 * LEAST_LINE_HZ, side="left"))
     high = max(int(np.searchsorted(frequency, 0.49 * rate_hz, side="right")), low)
     lines = np.empty((n, high - low), complex)
     for row, values in zip(lines, filled, strict=True):
-        cut = values[:whole].reshape(-1, second).copy()
-        cut -= cut.mean(axis=1, keepdims=True)
-        cut -= (cut @ t / (t @ t))[:, None] * t
+        cut = straightened(values[:whole].reshape(-1, second))
         strength = np.mean(cut**2, axis=1)
         cut[strength > 4.0 * np.median(strength)] = 0.0
         np.multiply(np.fft.rfft(cut.reshape(whole), padded)[low:high], np.sqrt(2.0 / whole), out=row)

@@ -43,6 +43,7 @@ SHAPE_DOUBT = 0.08
 WARM_DOUBT = 0.15
 _IMPOSSIBLE = 50.0  # ln of odds against what cannot be
 _GROSS = 150.0  # signal-to-noise ratio from which a cause goes into the chain before others are looked for
+_BENT = 1.0  # what a cause may change of a spectrum's pieces, in noise of one sample, and leave it as it is
 
 
 Key = tuple[str, tuple[str, ...], tuple[str, ...], str]
@@ -212,6 +213,9 @@ class Search:
         key = repr([(a.effect.name, a.gyros, sorted(a.runs), a.parameters) for a in actions])
         if key not in self._beside:
             data = self.data
+            if data.bent(actions) < _BENT:
+                self._beside[key] = self.fast
+                return self.fast
             whiten = whitener(data.inputs, data.sizes, self.fast.level, {}, self._filters)
             change = whiten.rows.stacked(
                 [one.scene.block_means(actions) - one.scene.block_means() for one in data.inputs]
