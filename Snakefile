@@ -4,10 +4,14 @@ import os
 import sys
 from pathlib import Path
 
+from snakemake.dag import DAG
+
 from fogreduce.cli.alone import WORKFLOW, hold
+from fogreduce.warm.planning import hasten
 from fogreduce.warm.scheduler import lighten
 from fogreduce.warm.start import start
 
+hasten(DAG)
 # The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
 os.environ.update(
     PATH=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])

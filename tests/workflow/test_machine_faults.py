@@ -81,8 +81,10 @@ def small_disk(place: Place) -> Iterator[Callable[[str], None]]:
 def test_a_full_disk(place: Place, undisturbed: dict[str, bytes], small_disk: Callable[[str], None]) -> None:
     status, said = place.run()
     assert status == 1
-    # the tables over all runs, which would say which run failed, have no room either: that is said
+    # the tables over all runs, which say which run failed, have no room either: the end says both
     assert "found No space left on device; expected room on the disk" in said
+    (line,) = in_one_place(said)
+    assert line.startswith("lab/a: ")
     assert "Traceback" not in said
     nothing_is_half_written(place, undisturbed)
     small_disk("20m")

@@ -3,8 +3,8 @@
 
 rule checksums:
     input:
-        manifest=run_file("manifest.json"),
-        drift=run_file("tables/drift.csv"),
+        manifest=rules.manifest.output[0],
+        drift=rules.drift.output[0],
         figures=run_file("figures") if CONFIG.figures.enabled else [],
         page=run_file("index.html") if CONFIG.pages.enabled else [],
     output:

@@ -8,6 +8,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 from functools import lru_cache
 from pathlib import Path
 
@@ -254,20 +255,41 @@ def summary_tables():
     return [f"{SUMMARY}/{name}.csv" for name in ("drift_all", "rates_all", "failed")]
 
 
-SUMMARY_COMMAND = shlex.join(
-    ["fogreduce", "summary", "--results", RESULTS, "--out", SUMMARY]
-    + ["--campaigns", CONFIG.campaigns_dir, *CONFIG.campaigns]
-)
+def summary_command(out):
+    """The command that gathers the tables of all runs into a folder."""
+    return shlex.join(
+        ["fogreduce", "summary", "--results", RESULTS, "--out", out]
+        + ["--campaigns", CONFIG.campaigns_dir, *CONFIG.campaigns]
+    )
+
+
+SUMMARY_COMMAND = summary_command(SUMMARY)
+
+
+def summarize(out):
+    """Gather with what is there; nothing, or what went wrong."""
+    done = subprocess.run(
+        summary_command(out), shell=True, capture_output=True, text=True, check=False
+    )
+    return done.stderr if done.returncode else ""
 
 
 def summarize_failed():
     """The summary of a workflow that failed, with what is there; the runs that are not reduced, and why."""
-    done = subprocess.run(
-        SUMMARY_COMMAND, shell=True, capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        return done.stderr
-    with open(f"{SUMMARY}/failed.csv", newline="") as file:
+    wrong = summarize(SUMMARY)
+    if not wrong:
+        return failed_runs(SUMMARY)
+    # No room there, or no right: which runs failed is said nevertheless.
+    try:
+        with tempfile.TemporaryDirectory() as out:
+            return wrong + (summarize(out) or failed_runs(out))
+    except OSError:
+        return wrong
+
+
+def failed_runs(summary):
+    """The runs that are not reduced, and why, as a summary says."""
+    with open(f"{summary}/failed.csv", newline="") as file:
         failed = list(csv.DictReader(file))
     if not failed:
         return "\nEvery run is reduced; what else failed, the messages above say."

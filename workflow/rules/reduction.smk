@@ -31,7 +31,7 @@ rule manifest:
 rule ingest:
     input:
         run=run_inputs,
-        manifest=run_file("manifest.json"),
+        manifest=rules.manifest.output[0],
     output:
         run_file("datasets/ingest.nc"),
         run_file("reports/ingest.json"),
@@ -49,8 +49,8 @@ rule ingest:
 
 rule calibrate:
     input:
-        manifest=run_file("manifest.json"),
-        dataset=run_file("datasets/ingest.nc"),
+        manifest=rules.manifest.output[0],
+        dataset=rules.ingest.output[0],
     output:
         run_file("datasets/calibrate.nc"),
     log:
@@ -64,8 +64,8 @@ rule calibrate:
 
 rule project:
     input:
-        manifest=run_file("manifest.json"),
-        dataset=run_file("datasets/calibrate.nc"),
+        manifest=rules.manifest.output[0],
+        dataset=rules.calibrate.output[0],
     output:
         run_file("datasets/project.nc"),
     log:
@@ -80,8 +80,8 @@ rule project:
 rule remove_earth:
     input:
         run=run_inputs,
-        manifest=run_file("manifest.json"),
-        dataset=run_file("datasets/project.nc"),
+        manifest=rules.manifest.output[0],
+        dataset=rules.project.output[0],
     output:
         run_file("datasets/remove_earth.nc"),
     log:
@@ -96,9 +96,9 @@ rule remove_earth:
 
 rule fit:
     input:
-        manifest=run_file("manifest.json"),
-        raw=run_file("datasets/ingest.nc"),
-        rates=run_file("datasets/remove_earth.nc"),
+        manifest=rules.manifest.output[0],
+        raw=rules.ingest.output[0],
+        rates=rules.remove_earth.output[0],
     output:
         run_file("datasets/bins.nc"),
         run_file("reports/fit.json"),
@@ -116,8 +116,8 @@ rule fit:
 
 rule drift:
     input:
-        manifest=run_file("manifest.json"),
-        fit=run_file("reports/fit.json"),
+        manifest=rules.manifest.output[0],
+        fit=rules.fit.output[1],
     output:
         run_file("tables/drift.csv"),
     log:
