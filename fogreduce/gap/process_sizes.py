@@ -7,15 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.capture import RunInput
+from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.evidence import Field, log_mean_exp
 from fogreduce.gap.family import diagonal
-from fogreduce.gap.noise_model import Whitener, process_covariance
+from fogreduce.gap.noise_model import process_covariance
 
 Array = NDArray[np.float64]
 
 _LOWEST, _HIGHEST, STEPS = 1.5, 3000.0, 40
-_SOME = 1e-6  # of the largest variance: what is below it is none
+SOME = 1e-6  # of the largest variance: what is below it is none
+_FEWER = 1e-8  # the same, before noise weighs them
 
 
 def size_logs(d: Array, runs: Array, z2: Array) -> tuple[Array, Array]:
@@ -38,44 +39,31 @@ def size_logs(d: Array, runs: Array, z2: Array) -> tuple[Array, Array]:
     return a2, np.asarray(0.5 * ((grown / (1.0 + grown)) @ z2 - none))
 
 
-def whole_evidence(
-    field: Field,
-    whiten: Whitener,
-    inputs: Sequence[RunInput],
-    i: int,
-    kind: str,
-    readings: Sequence[Array] | None = None,
-) -> float:
+def smooth_modes(kind: str, blocks: Blocks) -> Array:
+    """Modes (blocks, m) of a smooth process of unit size; summed over them, products are its covariance."""
+    values, vectors = np.linalg.eigh(process_covariance(kind, 1.0, blocks))
+    some = values > _FEWER * values[-1]
+    modes: Array = vectors[:, some] * np.sqrt(values[some])
+    return modes
+
+
+def whole_evidence(field: Field, rows: Sequence[slice], parts: Sequence[tuple[Array, Array]]) -> float:
     """Ln B of a smooth process in the metric of all stated uncertainties, the runs' means in it.
 
     Parameters
     ----------
     field : Field
         Residual and metric.
-    whiten : Whitener
-    inputs : runs
-    i : int
-        Gyro.
-    kind : str
-        Of the process, as `process_covariance` has it.
-    readings : (blocks,) arrays or None
-        What it goes with in each run.
+    rows : slices
+        Of the gyro in each run.
+    parts : (blocks, m) and (m, m) arrays
+        Whitened modes of the process in each run, and their inner products.
     """
-    parts: list[Array] = []
-    known: dict[tuple[int, float], Array] = {}
-    for r, one in enumerate(inputs):
-        blocks = one.scene.blocks
-        key = (blocks.count, blocks.length_s)
-        if key not in known:
-            values, vectors = np.linalg.eigh(process_covariance(kind.removeprefix("gain "), 1.0, blocks))
-            some = values > _SOME * values[-1]
-            known[key] = vectors[:, some] * np.sqrt(values[some])
-        modes = known[key] if readings is None else known[key] * readings[r][:, None]
-        parts.append(whiten.filters[i, r] @ modes)
-    columns, rows = diagonal(parts), whiten.rows.of(i)
-    cross = field.metric.a[rows].T @ columns
-    b = columns.T @ field.y[rows] - cross.T @ field.shrunk
-    d, vectors = np.linalg.eigh(columns.T @ columns - cross.T @ (field.metric.shrink @ cross))
-    some = d > _SOME * d[-1]
+    cross = np.hstack([field.metric.a[at].T @ modes for at, (modes, _) in zip(rows, parts, strict=True)])
+    b = np.concatenate([modes.T @ field.y[at] for at, (modes, _) in zip(rows, parts, strict=True)])
+    b -= cross.T @ field.shrunk
+    gram = diagonal([inner for _, inner in parts]) - cross.T @ (field.metric.shrink @ cross)
+    d, vectors = np.linalg.eigh(gram)
+    some = d > SOME * d[-1]
     z2 = (vectors[:, some].T @ b) ** 2 / d[some]
     return float(log_mean_exp(size_logs(d[some], np.ones(int(some.sum())), z2)[1]))

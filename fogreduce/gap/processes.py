@@ -24,7 +24,7 @@ from fogreduce.gap.evidence import Field, log_mean_exp
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.jumps import Background, Record, jumps_add
 from fogreduce.gap.noise_model import Whitener, process_covariance, relative
-from fogreduce.gap.process_sizes import STEPS, size_logs, whole_evidence
+from fogreduce.gap.process_sizes import SOME, STEPS, size_logs, smooth_modes, whole_evidence
 from fogreduce.gap.unlogged import HOLDS_S, UNLOGGED
 
 Array = NDArray[np.float64]
@@ -35,6 +35,7 @@ _SHARE = 3.0  # how often the unknown is a process, beside other families
 _OF_GAIN = 0.5  # of those, how often it goes with the reading
 _JUMPS = 0.5  # and how often it jumps
 _WORTH = 4.0  # ln evidence of a process from which on jumps are looked for
+_SMOOTH = {kind.split()[-1] for kind in UNLOGGED.values()}
 _STEADY = 0.02  # spread of a reading, relative to the largest, that counts as none
 
 
@@ -48,10 +49,16 @@ class Known:
         Eigenvectors and their variances of each process.
     inverses : mapping
         Inverses of the filters, and the background of which they are the inverse.
+    modes : mapping
+        Of smooth processes, by kind and blocks.
+    whitened : mapping
+        The same whitened, with their inner products.
     """
 
     eigen: dict[tuple[object, ...], tuple[Array, Array, Array]] = field(default_factory=dict)
     inverses: dict[int, tuple[Array, Background, Array]] = field(default_factory=dict)
+    modes: dict[tuple[object, ...], Array] = field(default_factory=dict)
+    whitened: dict[tuple[object, ...], tuple[Array, Array, Array]] = field(default_factory=dict)
 
 
 class Processes:
@@ -145,23 +152,18 @@ class Processes:
         """
         name, share = (gyro_name(i),), 1.0 / self.whiten.rows.n
         held: dict[str, tuple[float, float, float, str]] = {}
-        whole: dict[str, float] = {}
         for effect, kind in UNLOGGED.items():
             if kind.startswith("gain") and not self._turns:
                 continue
             found = [(*self._held(left, i, f"{kind} {hold}")[:3], f"{kind} {hold}") for hold in HOLDS_S]
             _, gain, size, best = max(found, key=lambda one: one[0])
             held[effect] = float(log_mean_exp(np.array([one[0] for one in found]))), gain, size, best
-            readings = [p[i] for p in self._reading] if kind.startswith("gain") else None
-            wholes = [
-                whole_evidence(field, self.whiten, self.inputs, i, f"{kind} {hold}", readings)
-                for hold in HOLDS_S
-            ]
-            whole[effect] = float(log_mean_exp(np.array(wholes)))
-        total = np.logaddexp.reduce([one[0] for one in held.values()])
-        total -= np.logaddexp.reduce(list(whole.values()))
-        for effect, (_, gain, size, best) in held.items():
-            log_b = float(total + whole[effect])
+        total = float(np.logaddexp.reduce([one[0] for one in held.values()]))
+        # less than no evidence at all makes none of them a rival of anything: then theirs stay as they are
+        shares = self._shares(field, i, list(held)) if total > 0.0 else {}
+        for effect, (log_b, gain, size, best) in held.items():
+            if shares:
+                log_b = total + shares[effect]
             if effect not in allowed:
                 yield _unknown(name, log_b, gain, share)
                 continue
@@ -179,6 +181,34 @@ class Processes:
                 8,
                 (best, size),
             )
+
+    def _shares(self, field: Field, i: int, effects: Sequence[str]) -> dict[str, float]:
+        """Ln of the part that each effect without a log has in what they explain together, means in it."""
+        runs = range(len(self.inputs))
+        rows, whole = [self.whiten.rows.of(i, r) for r in runs], []
+        for effect in effects:
+            kind = UNLOGGED[effect].removeprefix("gain ")
+            factors = [None if kind == UNLOGGED[effect] else p[i] for p in self._reading]
+            logs = [
+                whole_evidence(field, rows, [self._modes(i, r, f"{kind} {hold}", factors[r]) for r in runs])
+                for hold in HOLDS_S
+            ]
+            whole.append(float(log_mean_exp(np.array(logs))))
+        total = float(np.logaddexp.reduce(whole))
+        return {effect: one - total for effect, one in zip(effects, whole, strict=True)}
+
+    def _modes(self, i: int, r: int, kind: str, factor: Array | None) -> tuple[Array, Array]:
+        """Modes of a smooth process at gyro i in a run, whitened (blocks, m), and their inner products."""
+        matrix, blocks = self.whiten.filters[i, r], self.inputs[r].scene.blocks
+        at: tuple[object, ...] = (kind, blocks.count, blocks.length_s)
+        if at not in self._known.modes:
+            self._known.modes[at] = smooth_modes(kind, blocks)
+        key = (id(matrix), *at, None if factor is None else factor.tobytes())
+        if key not in self._known.whitened:
+            modes = self._known.modes[at]
+            modes = matrix @ (modes if factor is None else modes * factor[:, None])
+            self._known.whitened[key] = (modes, modes.T @ modes, matrix)
+        return self._known.whitened[key][:2]
 
     def _record(self, left: Array, i: int, kind: str) -> Record:
         """Block means of a gyro, in which jumps of either kind are looked for."""
@@ -260,17 +290,26 @@ class Processes:
             kind = f"forgets {max(float(kind.split()[1]), 1.2 * blocks.length_s)}"
         key = (id(matrix), kind, None if factor is None else factor.tobytes())
         if key not in self._known.eigen:
+            constant = matrix.sum(axis=1)
+            constant = constant / np.linalg.norm(constant)
+            if kind.split()[0] in _SMOOTH:
+                # few modes: eigenvectors are sought among them
+                modes, _ = self._modes(i, r, kind, factor)
+                modes = modes - np.outer(constant, constant @ modes)
+                values, turn = np.linalg.eigh(modes.T @ modes)
+                some = values > SOME * values[-1]
+                vectors = modes @ (turn[:, some] / np.sqrt(values[some]))
+                self._known.eigen[key] = (vectors, values[some], matrix)
+                return self._known.eigen[key][:2]
             covariance = _covariance(kind, blocks)
             if factor is not None:
                 covariance = covariance * np.outer(factor, factor)
-            constant = matrix.sum(axis=1)
-            constant = constant / np.linalg.norm(constant)
             white = matrix @ covariance @ matrix.T
             part = white @ constant
             white = white - np.outer(constant, part) - np.outer(part, constant)
             white += np.outer(constant, constant) * float(constant @ part)
             values, vectors = np.linalg.eigh(white)
-            some = values > 1e-6 * values[-1]
+            some = values > SOME * values[-1]
             self._known.eigen[key] = (vectors[:, some], values[some], matrix)
         return self._known.eigen[key][:2]
 
