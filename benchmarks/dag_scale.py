@@ -134,11 +134,11 @@ print("CPU", time.process_time() - start)
 
 
 def planning(runs: int) -> None:
-    """A dry run over runs of which none is reduced; it does not print the jobs, which takes as long again."""
+    """A dry run over runs of which none is reduced."""
     with tempfile.TemporaryDirectory() as name:
         place = Path(name)
         make_runs(place / "campaigns" / "many", range(runs), captures=False)
-        cost = call(place, "--dry-run", "--quiet", "rules", "progress")
+        cost = call(place, "--dry-run", "--quiet", "all")
     print(f"planning {runs} runs: {cost.cpu_s:.1f} s CPU, {cost.wall_s:.1f} s, {cost.memory_mb:.0f} MB")
 
 

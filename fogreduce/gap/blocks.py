@@ -44,8 +44,15 @@ class Blocks:
     first: NDArray[np.intp]
 
     @classmethod
-    def of(cls, facts: RunFacts) -> Blocks:
-        """Blocks of a run; samples at its end that fill no block are left out."""
+    def of(cls, facts: RunFacts, further: frozenset[int] = frozenset()) -> Blocks:
+        """Blocks of a run; samples at its end that fill no block are left out.
+
+        Parameters
+        ----------
+        facts : RunFacts
+        further : numbers of blocks
+            Taken to have an edge in them beside those in which the profile has one.
+        """
         rate, samples = facts.sample_rate_hz, facts.n_expected
         duration = samples / rate
         length = max(SHORTEST_S, duration / MOST_BLOCKS, _LEAST_SAMPLES / rate)
@@ -55,7 +62,7 @@ class Blocks:
         times, first, total = [], [], 0
         for k in range(count):
             start, end = k * length, (k + 1) * length
-            if ((edges >= start - 1e-9) & (edges < end - 1e-9)).any():
+            if k in further or ((edges >= start - 1e-9) & (edges < end - 1e-9)).any():
                 # where the rate jumps, the very instants of the samples count
                 low, high = int(np.ceil(start * rate - 1e-6)), int(np.ceil(end * rate - 1e-6))
                 index = np.arange(low, max(high, low + 1))
@@ -71,6 +78,15 @@ class Blocks:
     def centre_s(self) -> Array:
         """(count,) middles [s]."""
         return (np.arange(self.count, dtype=np.float64) + 0.5) * self.length_s
+
+    def holding(self, time_s: Array) -> frozenset[int]:
+        """Numbers of the blocks that hold times [s]."""
+        index = np.floor(time_s / self.length_s + 1e-9).astype(np.intp)
+        return frozenset(index[(index >= 0) & (index < self.count)].tolist())
+
+    def edge_step_s(self, sample_rate_hz: float) -> float:
+        """Time between two instants asked for in a block with an edge [s]."""
+        return max(1, int(self.length_s * sample_rate_hz) // _AT_EDGE) / sample_rate_hz
 
     def means(self, values: NDArray[Any]) -> Array:
         """Means over each block of values (..., K) at `time_s`: (..., count)."""

@@ -30,6 +30,7 @@ _WAVES = np.arange(0.45, 3.6, 0.05)  # kappa sigma
 _FINE = 6000
 _STRETCH = 200  # neighbouring kappa whose waves are made from one
 _NOT_NOISE = 1.1
+_APART = 4.0  # waves farther apart than this, times sigma, are none of each other's in noise
 
 
 @dataclass(frozen=True)
@@ -123,16 +124,19 @@ def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | N
 
 
 def converter_findings(
-    runs: Sequence[Sequence[Codes | None]], n: int, allowed: frozenset[str]
+    runs: Sequence[Sequence[Codes | None]], n: int, allowed: frozenset[str], step_volts: Array
 ) -> Iterator[Finding]:
-    """Findings at each gyro; `runs`: codes of each gyro in each run."""
+    """Findings at each gyro; `runs`: codes of each gyro in each run, `step_volts` (n,): of the converters."""
     for i in range(n):
         here = [c for c in (run[i] for run in runs) if c is not None]
         if not here:
             continue
         sigma = float(np.median([c.sigma for c in here]))
         here = [c for c in here if 0.7 * sigma < c.sigma < 1.4 * sigma]
-        kappa = _WAVES / sigma
+        # a voltage in steps shows its own waves again about those that belong to the steps
+        kappa = _WAVES[2.0 * np.pi * sigma / step_volts[i] - _WAVES > _APART] / sigma
+        if kappa.size < 2:
+            continue
         z = np.array([c.score(kappa) for c in here])
         mean, top = sizes_log(np.abs(z).T)
         best = int(np.argmax(mean))

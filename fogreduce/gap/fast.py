@@ -42,12 +42,12 @@ class Fast:
         self.link = [
             *link_findings(data.full, allowed, data.noise_counts()),
             *stamp_findings(data.full, allowed),
-            *converter_findings(data.codes, n, allowed),
+            *converter_findings(data.codes, n, allowed, self._step_volts()),
         ]
         bits, colour = data.bits.astype(float), self._colour()
         plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, *colour)
         whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
-        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3)
+        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3) * self._rounding()
         self._known_lines: dict[tuple[float, ...], list[Finding]] = {}
         lines = self._lines([])
         spoiled: list[list[float]] = [[] for _ in range(n)]
@@ -66,6 +66,15 @@ class Fast:
         noise = self.data.inputs[0].record.stated_noise
         return np.array(noise.bias_instability_deg_h), np.array(noise.rate_random_walk_deg_h_sqrt_h)
 
+    def _step_volts(self) -> Array:
+        """Of each gyro's converter, the bits that are always 0 left out, (n,)."""
+        return self.facts.volts_per_count * 2.0 ** self.data.bits.astype(float)
+
+    def _rounding(self) -> Array:
+        """Noise with the converter's rounding over noise without, (n,): levels are over what both make."""
+        counts = self.data.noise_counts()
+        return np.sqrt(1.0 + 4.0 ** self.data.bits.astype(float) / 12.0 / counts**2)
+
     def _low_level(self) -> Array:
         """Level of the lowest quarter of the spectrum; a filter leaves block means as they are."""
         if self.levels is None:
@@ -82,7 +91,7 @@ class Fast:
             best = max(found, key=lambda f: f.log_b, default=None)
             if best is not None and best.effect == "low_pass" and best.log_b > 3.0:
                 out[i] = 1.0
-        return np.clip(out, 0.2, 1e3)
+        return np.clip(out, 0.2, 1e3) * self._rounding()
 
     def _held_by_repeats(self, i: int) -> Array:
         """Shape of the spectrum of white noise whose samples repeat with the share found: q^|k|
@@ -112,12 +121,14 @@ class Fast:
     def findings(self, causes: Sequence[Cause]) -> list[Finding]:
         """What may be added to the causes."""
         mine = [c.finding for c in causes if c.finding is not None]
-        # a column that holds another gyro has that one's noise; a clipped one repeats its limit
-        moved = {name for c in causes if c.effect == "channel_swap" for name in (*c.channels, c.key[3])}
-        moved |= {name for c in causes if c.effect == "saturation" for name in c.channels}
+        # a column that holds another gyro has that one's noise; a clipped one repeats its limit, bits and all
+        clipped = {name for c in causes if c.effect == "saturation" for name in c.channels}
+        moved = {
+            name for c in causes if c.effect == "channel_swap" for name in (*c.channels, c.key[3])
+        } | clipped
         # beside a wrong sense or wiring the departures that codes are held against are no noise
         wired = any(c.effect in _WIRING for c in causes)
-        key = repr((wired, sorted(moved))) + repr(
+        key = repr((wired, sorted(moved), sorted(clipped))) + repr(
             sorted((f.domain, f.channels, f.effect, str(f.parameters)) for f in mine)
         )
         if key not in self._cache:
@@ -125,6 +136,7 @@ class Fast:
                 f
                 for f in self._found(mine)
                 if not (f.domain in ("level", "repeats") and moved & set(f.channels))
+                and not (f.domain == "codes" and clipped & set(f.channels))
                 and not (f.domain == "converter" and wired)
             ]
         return self._cache[key]

@@ -21,6 +21,13 @@ _RISE_S = 2.0  # no step is quite sudden: doubt of its instant [s]
 _EDGE = 0.01
 #: A time constant is looked at over so wide a range about the best one.
 _WIDE = np.geomspace(0.1, 10.0, 11)
+#: Delays, and what a second is in their units. A rate that jumps does so between two samples: which two is
+#: found in steps of whole samples, and only then what else a delay does.
+DELAYS = {"s": 1.0, "ms": 1e3}
+_MOST_MOVES = 8
+_INSTANT_S = 1e-6
+_ABOUT = np.arange(-8, 9) / 8.0
+_FAR = 2.0  # times what noise leaves
 
 
 @dataclass(frozen=True)
@@ -51,17 +58,27 @@ def simulated(inputs: Sequence[RunInput], causes: Sequence[Cause], rows: Rows) -
     return rows.stacked([one.scene.block_means(actions) for one in inputs])
 
 
-def _steps(cause: Cause, name: str, length_s: float) -> float:
+def _steps(cause: Cause, name: str, one: RunInput, whole: bool) -> float:
     value = cause.theta[name]
     if name == "time_s":
-        return 0.5 * length_s
+        return 0.5 * one.scene.blocks.length_s
+    if name in DELAYS:
+        return DELAYS[name] * (
+            one.scene.blocks.edge_step_s(one.facts.sample_rate_hz) if whole else _INSTANT_S
+        )
     if name in SHAPES:
         return max(abs(value) * SHAPES[name], 1e-9)
     return max(abs(value) * 1e-2, 1e-6)
 
 
-def modelled(inputs: Sequence[RunInput], causes: Sequence[Cause], whiten: Whitener, nominal: Array) -> Model:
-    """The causes simulated, with their derivatives."""
+def modelled(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    whiten: Whitener,
+    nominal: Array,
+    whole: bool = False,
+) -> Model:
+    """The causes simulated, with their derivatives; `whole`: those of delays by whole samples."""
     rows = whiten.rows
     at = simulated(inputs, causes, rows)
     slopes: list[Array] = []
@@ -71,7 +88,7 @@ def modelled(inputs: Sequence[RunInput], causes: Sequence[Cause], whiten: Whiten
             continue
         own = np.zeros(rows.total)
         for name in cause.theta:
-            step = _steps(cause, name, inputs[0].scene.blocks.length_s)
+            step = _steps(cause, name, inputs[0], whole)
             moved = replace(cause, theta={**cause.theta, name: cause.theta[name] + step})
             other = [*causes[:k], moved, *causes[k + 1 :]]
             slopes.append((simulated(inputs, other, rows) - at) / step)
@@ -103,11 +120,59 @@ def refined(
     """The causes with the parameters that fit best, by damped Gauss-Newton; standard deviations from the
     curvature.
     """
-    model = modelled(inputs, causes, whiten, nominal)
+    if not any(c.theta for c in causes if c.slow):
+        return modelled(inputs, causes, whiten, nominal)
+    if any(name in DELAYS for c in causes for name in c.theta):
+        causes = _sought(inputs, causes, whiten, nominal, metric, y)
+        causes = _descended(inputs, causes, whiten, nominal, metric, y, _MOST_MOVES, True).causes
+    model = _descended(inputs, causes, whiten, nominal, metric, y, rounds, False)
+    causes = _with_spread(model.causes, _spread(inputs, model, whiten, metric))
+    held = [
+        _widened(inputs, causes, k, whiten, nominal, metric, y) if "tau_s" in c.theta else c
+        for k, c in enumerate(causes)
+    ]
+    return replace(model, causes=tuple(held))
+
+
+def _sought(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+) -> list[Cause]:
+    """The causes with the best delays about theirs: from an edge in the wrong block no step leads on."""
+
+    def left(trial: Sequence[Cause]) -> float:
+        return _chi2(metric, y - modelled_change(inputs, trial, whiten, nominal))
+
+    best = list(causes)
+    for k, cause in enumerate(causes):
+        for name in DELAYS.keys() & cause.theta.keys():
+            if left(best) <= _FAR * whiten.rows.total:
+                return best
+            span = DELAYS[name] * inputs[0].scene.blocks.length_s
+            values = [_within(cause, name, cause.theta[name] + share * span) for share in _ABOUT]
+            moved = [replace(cause, theta={**cause.theta, name: value}) for value in values]
+            best = min(([*best[:k], one, *best[k + 1 :]] for one in moved), key=left)
+    return best
+
+
+def _descended(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+    rounds: int,
+    whole: bool,
+) -> Model:
+    """The causes where steps of Gauss and Newton lead no further."""
+    model = modelled(inputs, causes, whiten, nominal, whole)
     chi2 = _chi2(metric, y - model.change)
     for _ in range(rounds):
-        if not model.slopes.shape[1]:
-            return model
         gram = metric.gram(model.slopes, model.slopes)
         scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
         step = (
@@ -121,7 +186,7 @@ def refined(
         damping, better = 1.0, False
         while damping > 0.05:
             moved = _moved(model.causes, damping * step)
-            trial = modelled(inputs, moved, whiten, nominal)
+            trial = modelled(inputs, moved, whiten, nominal, whole)
             found = _chi2(metric, y - trial.change)
             if found <= chi2 + 1e-9:
                 better = found < chi2 - 0.01
@@ -130,12 +195,7 @@ def refined(
             damping *= 0.35
         if not better:
             break
-    causes = _with_spread(model.causes, _spread(inputs, model, whiten, metric))
-    held = [
-        _widened(inputs, causes, k, whiten, nominal, metric, y) if "tau_s" in c.theta else c
-        for k, c in enumerate(causes)
-    ]
-    return replace(model, causes=tuple(held))
+    return model
 
 
 def _widened(

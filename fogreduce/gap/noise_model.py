@@ -29,7 +29,7 @@ from fogreduce.physics.noise import flicker_covariance, white_sigma
 
 Array = NDArray[np.float64]
 
-_NOTHING = 1e6  # times the white variance: a block without a sample says nothing
+_NOTHING = 1e15  # times the white variance: a block without a sample says nothing, of a gross fault neither
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,23 @@ class Scene:
         here = [a for a in actions if self.facts.run_id in a.runs]
         if any(a.effect.stage == Stage.FILTER for a in here):
             return self._of_samples(here)
-        return self.blocks.means(self.decoded(self.blocks.time_s, here))
+        blocks = self._asked(here)
+        return blocks.means(self.decoded(blocks.time_s, here))
+
+    def _asked(self, actions: Sequence[Action]) -> Blocks:
+        """The blocks, those asked at every sample into which effects shift an edge of the profile."""
+        start = sum(a.parameters["s"] for a in actions if a.effect.name == "start_offset")
+        ages = {a.parameters["ms"] * 1e-3 for a in actions if a.effect.name == "latency"}
+        edges = self.facts.profile.edges_s
+        late = np.concatenate([edges + start + age for age in (0.0, *ages)]) if start or ages else edges
+        further = self.blocks.holding(late) - self.blocks.holding(edges)
+        if further not in self._shifted:
+            self._shifted[further] = Blocks.of(self.facts, further) if further else self.blocks
+        return self._shifted[further]
+
+    @cached_property
+    def _shifted(self) -> dict[frozenset[int], Blocks]:
+        return {}
 
     @cached_property
     def turning(self) -> Turning:

@@ -7,8 +7,8 @@ every depth. Which depth, with or without something unknown, has the most eviden
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,7 @@ from fogreduce.gap.evidence import Field, Fit, log_bayes
 from fogreduce.gap.families import families
 from fogreduce.gap.fast import Fast
 from fogreduce.gap.findings import Finding
-from fogreduce.gap.fitted import Model, modelled, refined
+from fogreduce.gap.fitted import DELAYS, Model, modelled, refined
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
 from fogreduce.gap.processes import Known, Processes
 
@@ -174,7 +174,9 @@ class Search:
     fast: Fast = field(init=False)
     ground: Ground = field(init=False)
     _beside: dict[str, Fast] = field(init=False, default_factory=dict, repr=False)
-    _filters: dict[tuple[object, ...], Array] = field(init=False, default_factory=dict, repr=False)
+    _filters: dict[bytes, dict[tuple[object, ...], Array]] = field(
+        init=False, default_factory=dict, repr=False
+    )
     _known: Known = field(init=False, default_factory=Known, repr=False)
 
     def __post_init__(self) -> None:
@@ -189,7 +191,8 @@ class Search:
         slow = [c for c in base if c.slow]
         actions = [c.action(data.run_ids, data.n) for c in slow]
         fast = self._fast_beside(actions)
-        whiten = whitener(data.inputs, data.sizes, fast.level, _processes(base), self._filters)
+        known = self._filters.setdefault(fast.level.tobytes(), {})
+        whiten = whitener(data.inputs, data.sizes, fast.level, _processes(base), known)
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
         y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
         metric = Metric.of(whiten(nuisances(data.inputs, actions)))
@@ -216,7 +219,7 @@ class Search:
             if data.bent(actions) < _BENT:
                 self._beside[key] = self.fast
                 return self.fast
-            whiten = whitener(data.inputs, data.sizes, self.fast.level, {}, self._filters)
+            whiten = self.ground.whiten
             change = whiten.rows.stacked(
                 [one.scene.block_means(actions) - one.scene.block_means() for one in data.inputs]
             )
@@ -249,7 +252,7 @@ class Search:
         out: list[Option] = []
         taken = {c.key for c in state.causes}
         for bundles in (state.ground.candidates, state.ground.families):
-            for fit in bundles.fits(state.field):
+            for fit in self._with_delay(bundles.fits(state.field), state):
                 if not (fit.candidate.known and fit.candidate.key in taken):
                     out.append(self._slow_option(fit, state))
         findings = [
@@ -273,6 +276,23 @@ class Search:
             out.append(
                 Option(None, finding, log_b, _log_prior(finding.known, finding.share), max(raw, log_b))
             )
+        return out
+
+    def _with_delay(self, fits: Iterable[Fit], state: State) -> list[Fit]:
+        """Fits, that of the best gross delay simulated: an edge in another block is no small step."""
+        out = list(fits)
+        late = [
+            k for k, fit in enumerate(out) if fit.q > _GROSS**2 and DELAYS.keys() & set(fit.candidate.scales)
+        ]
+        if late:
+            k = max(late, key=lambda k: out[k].q)
+            fit, c = out[k], out[k].candidate
+            after = self.state([*state.causes, Cause.of_fit(fit)], state.ground)
+            done = self._gained(state, after)
+            if done > fit.q:
+                found = np.array([after.causes[-1].theta[name] for name in c.scales])
+                log_b = fit.log_b + 0.5 * (done - fit.q)
+                out[k] = replace(fit, log_b=log_b, q=done, coefficients=found / c.steps[fit.best])
         return out
 
     def _slow_option(self, fit: Fit, state: State) -> Option:
@@ -341,11 +361,14 @@ class Search:
             causes = [*state.causes, best.cause()]
             # where departures from shape are credited to what is left, a cause that takes it gets that back
             gain = best.raw + best.log_prior + further
-            ground = self._settled(causes, best, state.ground)
-            taken = self.state(causes, ground)
-            if self._is_hollow(state, taken, best):
-                hollow.add(best.key)
-                continue
+            taken = self.state(causes, state.ground)
+            if best.fit is not None:
+                # an effect, simulated, may not do what its column promised: it was no small step
+                done = self._gained(state, taken)
+                if done < 0.5 * best.q:
+                    hollow.add(best.key)
+                    continue
+            taken = self._settled(taken, best)
             score += gain
             # evidence of the new one was taken beside the wandering of those before
             score += max(path[-1].state.wandered - taken.wandered, 0.0)
@@ -356,22 +379,17 @@ class Search:
             path.append(Step(state, options, score))
         return path
 
-    def _is_hollow(self, before: State, after: State, best: Option) -> bool:
-        """Whether an effect, simulated, does not do what its column promised: it was no small step, or not
-        allowed.
-        """
-        if best.fit is None or before.ground is not after.ground:
-            return False
-        metric, y = after.ground.metric, after.ground.y
-        gain = Field.of(metric, y - before.model.change).chi2 - Field.of(metric, y - after.model.change).chi2
-        return gain < 0.5 * best.q
+    def _gained(self, before: State, after: State) -> float:
+        """Twice what a cause, simulated, adds to ln likelihood."""
+        metric, y = before.ground.metric, before.ground.y
+        return Field.of(metric, y - before.model.change).chi2 - Field.of(metric, y - after.model.change).chi2
 
-    def _settled(self, causes: Sequence[Cause], best: Option, ground: Ground) -> Ground:
-        """The ground with a gross cause in the chain, or a random process in the noise."""
+    def _settled(self, taken: State, best: Option) -> State:
+        """The causes on a ground with a gross one in the chain, or a random process in the noise."""
         gross = best.fit is not None and best.q > _GROSS**2
-        if gross:
-            causes = self.state(causes, ground).causes
-        return self._ground(causes) if gross or best.process else ground
+        if not (gross or best.process):
+            return taken
+        return self.state(taken.causes, self._ground(taken.causes))
 
     def _weighed_again(self, state: State, processes: bool) -> tuple[State, float]:
         """Every cause but the last set against all others in its place; the better one stays."""

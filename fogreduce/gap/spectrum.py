@@ -121,12 +121,14 @@ def levels(
     clean = keep.all(axis=0)
     total = cross[clean].sum(axis=0)
     scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
+    correlation = total / np.outer(scale, scale)
+    np.fill_diagonal(correlation, 1.0)  # also of a gyro that rests in every run
     return Levels(
         ratio,
         pieces,
         frequency,
         keep,
-        total / np.outer(scale, scale),
+        correlation,
         float(sum(run.pieces for run in usable)) * float(clean.sum()),
         stated,
         facts.sample_rate_hz,

@@ -93,9 +93,13 @@ def judged(search: Search) -> Verdict:
     named = tuple(_named(search, step.state, k, first) for k in range(len(step.state.causes)))
     state, left = step.state, step.options
     kept = [one for one in named if one.probability >= _LEAST]
-    if something and len(kept) < len(named):
+    if not something:
+        # what nothing of the catalogue explains as well as the unknown does is not explained
+        kept = [one for one in named if one.group_probability >= _LEAST]
+    if len(kept) < len(named):
         # what the unknown explains better in a cause's place is not judged present
         causes = [state.causes[one.index] for one in kept]
+        unknown_probability = max(unknown_probability, 1.0 - min(one.group_probability for one in named))
         state = search.state(causes, state.ground if causes else search.ground)
         left = search.options(state)
         named = tuple(replace(one, index=k) for k, one in enumerate(kept))

@@ -22,7 +22,42 @@ def put(effect: str, channel: str, **parameters: object) -> dict:
     ids=lambda one: one["effect"],
 )
 def test_it_is_named_alone(tmp_path: Path, fault: dict) -> None:
+    # fast enough that Earth's rate, seen turning, is no straight line over a second
     lab(tmp_path, rates=(25.0, -25.0, 25.0, -25.0, 0.5, 0.0))
     found = diagnosed(tmp_path, simulated(tmp_path, [fault]))
     assert found["verdict"] == "explained"
     assert [(c["effect"], c["channels"]) for c in found["causes"]] == [(fault["effect"], fault["channels"])]
+
+
+@pytest.mark.parametrize("late_s", [1.19, -0.6])
+def test_a_late_start_is_found_in_whatever_second_it_falls(tmp_path: Path, late_s: float) -> None:
+    lab(tmp_path)
+    found = diagnosed(tmp_path, simulated(tmp_path, [put("start_offset", "table", s=late_s)]))
+    assert found["verdict"] == "explained"
+    (cause,) = found["causes"]
+    assert cause["effect"] == "start_offset"
+    assert cause["probability"] > 0.9
+    stated = cause["parameters"]["s"]
+    assert abs(stated["value"] - late_s) < min(3.0 * stated["std"], 1.0 / 64.0)
+    assert found["closure"]["fraction"] > 0.99
+
+
+def test_a_gyro_that_rests_in_every_run_shares_no_noise(tmp_path: Path) -> None:
+    lab(tmp_path, rates=(10.0, 10.0, 10.0, 10.0, 10.0, 10.0))
+    found = diagnosed(tmp_path, simulated(tmp_path, [put("saturation", "gyro3", volts=0.1)]))
+    assert [c["effect"] for c in found["causes"]] == ["saturation"]
+
+
+def test_steps_as_wide_as_the_noise_are_lost_bits_alone(tmp_path: Path) -> None:
+    lab(tmp_path)
+    found = diagnosed(tmp_path, simulated(tmp_path, [put("lost_bits", "gyro2", bits=8)]))
+    assert found["verdict"] == "explained"
+    assert [(c["effect"], c["channels"]) for c in found["causes"]] == [("lost_bits", ["gyro2"])]
+
+
+def test_what_the_unknown_explains_far_better_is_not_explained(tmp_path: Path) -> None:
+    lab(tmp_path)
+    clipped = simulated(tmp_path, [put("saturation", "gyro4", volts=0.36)])
+    found = diagnosed(tmp_path, clipped, "--without", "saturation")
+    assert found["verdict"] in ("unexplained", "partly_explained")
+    assert found["unknown_probability"] > 0.9
