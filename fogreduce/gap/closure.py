@@ -20,7 +20,8 @@ from fogreduce.gap.causes import Cause
 from fogreduce.gap.data import Data
 from fogreduce.gap.departures import departures
 from fogreduce.gap.fast import Fast
-from fogreduce.gap.fitted import modelled, refined
+from fogreduce.gap.fitted import refined
+from fogreduce.gap.model import modelled
 from fogreduce.gap.noise_model import Metric, Rows, Whitener, nuisances, whitener
 from fogreduce.gap.search import Search, _processes
 from fogreduce.gap.where import Place

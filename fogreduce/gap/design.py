@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.causes import Cause
-from fogreduce.gap.fitted import simulated
+from fogreduce.gap.model import simulated
 from fogreduce.gap.next_runs import (
     DURATIONS,
     RUN_ID,

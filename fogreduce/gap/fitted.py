@@ -1,18 +1,19 @@
-"""Causes in the chain, simulated again, and fitted by Gauss-Newton on the simulator itself."""
+"""Causes fitted together by Gauss-Newton on the simulator itself."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import RunInput
-from fogreduce.gap.causes import SHAPES, UNSEEN, Cause
-from fogreduce.gap.departures import STEADY, departures, wandering
-from fogreduce.gap.noise_model import Metric, Rows, Whitener
+from fogreduce.gap.causes import UNSEEN, Cause
+from fogreduce.gap.departures import departures
+from fogreduce.gap.model import DELAYS, Model, modelled, modelled_change, sample_step
+from fogreduce.gap.noise_model import Metric, Whitener
 
 Array = NDArray[np.float64]
 
@@ -21,91 +22,11 @@ _RISE_S = 2.0  # no step is quite sudden: doubt of its instant [s]
 _EDGE = 0.01
 #: A time constant is looked at over so wide a range about the best one.
 _WIDE = np.geomspace(0.1, 10.0, 11)
-#: Delays, and what a second is in their units. A rate that jumps does so between two samples: which two is
-#: found in steps of whole samples, and only then what else a delay does.
-DELAYS = {"s": 1.0, "ms": 1e3}
+#: Steps to the samples between which the rate jumps; where they start: in blocks, about the delay at first.
 _MOST_MOVES = 8
-_INSTANT_S = 1e-6
 _ABOUT = np.arange(-8, 9) / 8.0
 _FAR = 2.0  # times what noise leaves
-
-
-@dataclass(frozen=True)
-class Model:
-    """Causes in the chain, and how the residual looks beside them.
-
-    Attributes
-    ----------
-    causes : tuple of Cause
-    change : (rows,) array
-        What they change, whitened.
-    slopes : (rows, p) array
-        Its derivatives by every free number of the slow causes, whitened.
-    shapes : (rows, d) array
-        How it may wander about the catalogue's shapes, whitened, one standard deviation each.
-    """
-
-    causes: tuple[Cause, ...]
-    change: Array
-    slopes: Array
-    shapes: Array
-
-
-def simulated(inputs: Sequence[RunInput], causes: Sequence[Cause], rows: Rows) -> Array:
-    """Block means of the chain with causes in it, (rows,) [deg/h]."""
-    ids, n = [one.facts.run_id for one in inputs], rows.n
-    actions = [replace(c.action(ids, n), ordinal=k) for k, c in enumerate(causes) if c.slow]
-    return rows.stacked([one.scene.block_means(actions) for one in inputs])
-
-
-def _steps(cause: Cause, name: str, one: RunInput, whole: bool) -> float:
-    value = cause.theta[name]
-    if name == "time_s":
-        return 0.5 * one.scene.blocks.length_s
-    if name in DELAYS:
-        return DELAYS[name] * (
-            one.scene.blocks.edge_step_s(one.facts.sample_rate_hz) if whole else _INSTANT_S
-        )
-    if name in SHAPES:
-        return max(abs(value) * SHAPES[name], 1e-9)
-    return max(abs(value) * 1e-2, 1e-6)
-
-
-def modelled(
-    inputs: Sequence[RunInput],
-    causes: Sequence[Cause],
-    whiten: Whitener,
-    nominal: Array,
-    whole: bool = False,
-) -> Model:
-    """The causes simulated, with their derivatives; `whole`: those of delays by whole samples."""
-    rows = whiten.rows
-    at = simulated(inputs, causes, rows)
-    slopes: list[Array] = []
-    shapes = [np.zeros((rows.total, 0))]
-    for k, cause in enumerate(causes):
-        if not cause.slow:
-            continue
-        own = np.zeros(rows.total)
-        for name in cause.theta:
-            step = _steps(cause, name, inputs[0], whole)
-            moved = replace(cause, theta={**cause.theta, name: cause.theta[name] + step})
-            other = [*causes[:k], moved, *causes[k + 1 :]]
-            slopes.append((simulated(inputs, other, rows) - at) / step)
-            if name not in SHAPES:
-                own += cause.theta[name] * slopes[-1]
-        if cause.effect not in STEADY:
-            shapes.append(wandering(inputs, own, rows))
-    columns = np.column_stack(slopes) if slopes else np.zeros((rows.total, 0))
-    change = whiten((at - nominal)[:, None])[:, 0]
-    return Model(tuple(causes), change, whiten(columns), whiten(np.column_stack(shapes)))
-
-
-def modelled_change(
-    inputs: Sequence[RunInput], causes: Sequence[Cause], whiten: Whitener, nominal: Array
-) -> Array:
-    """What causes change, whitened (rows,)."""
-    return whiten((simulated(inputs, causes, whiten.rows) - nominal)[:, None])[:, 0]
+_BY_FAR = 50.0  # of chi-squared
 
 
 def refined(
@@ -128,7 +49,9 @@ def refined(
     model = _descended(inputs, causes, whiten, nominal, metric, y, rounds, False)
     causes = _with_spread(model.causes, _spread(inputs, model, whiten, metric))
     held = [
-        _widened(inputs, causes, k, whiten, nominal, metric, y) if "tau_s" in c.theta else c
+        _widened(inputs, causes, k, whiten, nominal, metric, y)
+        if "tau_s" in c.theta
+        else _between_samples(inputs, causes, k, whiten, nominal, metric, y)
         for k, c in enumerate(causes)
     ]
     return replace(model, causes=tuple(held))
@@ -230,6 +153,32 @@ def _widened(
         "tau_s": float(np.sqrt(weight @ (t - tau) ** 2)),
     }
     return replace(cause, std={name: max(cause.std[name], wide[name]) for name in cause.std})
+
+
+def _between_samples(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    which: int,
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+) -> Cause:
+    """A delayed effect known at least to a sample, where a jump of the rate a sample off fits far worse."""
+    cause = causes[which]
+    std = dict(cause.std)
+    for name in DELAYS.keys() & cause.theta.keys():
+        step = sample_step(inputs[0], name)
+        left = []
+        for shift in (-step, 0.0, step):
+            moved = replace(
+                cause, theta={**cause.theta, name: _within(cause, name, cause.theta[name] + shift)}
+            )
+            trial = [*causes[:which], moved, *causes[which + 1 :]]
+            left.append(_chi2(metric, y - modelled_change(inputs, trial, whiten, nominal)))
+        if min(left[0], left[2]) > left[1] + _BY_FAR:
+            std[name] = min(std[name], step / np.sqrt(3.0))
+    return replace(cause, std=std)
 
 
 def _spread(inputs: Sequence[RunInput], model: Model, whiten: Whitener, metric: Metric) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fogreduce.gap import svg
 from fogreduce.gap.diagnose import Diagnosis
-from fogreduce.gap.fitted import simulated
+from fogreduce.gap.model import simulated
 from fogreduce.gap.noise_model import nuisances
 from fogreduce.gap.words import in_words
 

@@ -26,7 +26,8 @@ from fogreduce.gap.evidence import Field, Fit, log_bayes
 from fogreduce.gap.families import families
 from fogreduce.gap.fast import Fast
 from fogreduce.gap.findings import Finding
-from fogreduce.gap.fitted import DELAYS, Model, modelled, refined
+from fogreduce.gap.fitted import refined
+from fogreduce.gap.model import DELAYS, Model, modelled
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
 from fogreduce.gap.processes import Known, Processes
 

@@ -61,3 +61,19 @@ def test_what_the_unknown_explains_far_better_is_not_explained(tmp_path: Path) -
     found = diagnosed(tmp_path, clipped, "--without", "saturation")
     assert found["verdict"] in ("unexplained", "partly_explained")
     assert found["unknown_probability"] > 0.9
+
+
+def test_a_delay_that_only_jumps_show_is_known_to_a_sample(tmp_path: Path) -> None:
+    lab(tmp_path)
+    for k, run in enumerate(sorted((tmp_path / "plan" / "runs").glob("*/run.yaml"))):
+        text = run.read_text()
+        start, end = text.index("profile:"), text.index("orientation:")
+        steps = "".join(
+            f"\n  - {{rate_deg_s: {rate}, duration_s: 30.0}}" for rate in (0.0, 9.0 + k, 3.0, 0.0)
+        )
+        run.write_text(text[:start] + "profile:" + steps + "\n" + text[end:])
+    delay = simulated(tmp_path, [put("latency", "gyro1", ms=2.0)])
+    found = diagnosed(tmp_path, delay, "--only-runs", "r0")
+    assert [(c["effect"], c["channels"]) for c in found["causes"]] == [("latency", ["gyro1"])]
+    stated = found["causes"][0]["parameters"]["ms"]
+    assert abs(stated["value"] - 2.0) < 2.0 * stated["std"] < 2.0 * 1000.0 / 64.0

@@ -12,7 +12,8 @@ import pytest
 from fogreduce.gap.capture import RunInput, read_inputs
 from fogreduce.gap.causes import Cause
 from fogreduce.gap.departures import WANDERS, departures, wandering
-from fogreduce.gap.fitted import refined, simulated
+from fogreduce.gap.fitted import refined
+from fogreduce.gap.model import simulated
 from fogreduce.gap.noise_model import Metric, nuisances, whitener
 
 DRAWS = 40
