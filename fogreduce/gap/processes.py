@@ -12,19 +12,18 @@ reading, as an unsteady scale factor does; and one that jumps between two levels
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.gyro_names import gyro_name
-from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.evidence import Field, log_mean_exp
 from fogreduce.gap.findings import Finding
-from fogreduce.gap.jumps import Background, Record, jumps_add
-from fogreduce.gap.noise_model import Whitener, process_covariance, relative
-from fogreduce.gap.process_sizes import SOME, STEPS, size_logs, smooth_modes, whole_evidence
+from fogreduce.gap.jumps import Record, jumps_add
+from fogreduce.gap.noise_model import Whitener
+from fogreduce.gap.process_shapes import Known, Shapes
+from fogreduce.gap.process_sizes import STEPS, size_logs, whole_evidence
 from fogreduce.gap.unlogged import HOLDS_S, UNLOGGED
 
 Array = NDArray[np.float64]
@@ -35,30 +34,6 @@ _SHARE = 3.0  # how often the unknown is a process, beside other families
 _OF_GAIN = 0.5  # of those, how often it goes with the reading
 _JUMPS = 0.5  # and how often it jumps
 _WORTH = 4.0  # ln evidence of a process from which on jumps are looked for
-_SMOOTH = {kind.split()[-1] for kind in UNLOGGED.values()}
-_STEADY = 0.02  # spread of a reading, relative to the largest, that counts as none
-
-
-@dataclass
-class Known:
-    """What was found under filters, by the filters' ids; these are kept too, so that no other has their ids.
-
-    Attributes
-    ----------
-    eigen : mapping
-        Eigenvectors and their variances of each process.
-    inverses : mapping
-        Inverses of the filters, and the background of which they are the inverse.
-    modes : mapping
-        Of smooth processes, by kind and blocks.
-    whitened : mapping
-        The same whitened, with their inner products.
-    """
-
-    eigen: dict[tuple[object, ...], tuple[Array, Array, Array]] = field(default_factory=dict)
-    inverses: dict[int, tuple[Array, Background, Array]] = field(default_factory=dict)
-    modes: dict[tuple[object, ...], Array] = field(default_factory=dict)
-    whitened: dict[tuple[object, ...], tuple[Array, Array, Array]] = field(default_factory=dict)
 
 
 class Processes:
@@ -82,9 +57,8 @@ class Processes:
         known: Known | None = None,
     ) -> None:
         self.inputs, self.whiten = inputs, whiten
-        self._known = Known() if known is None else known
+        self._shapes = Shapes(inputs, whiten, plain, known or Known())
         self._found: dict[tuple[bytes, frozenset[str]], list[Finding]] = {}
-        self._reading = relative(plain)
         self._warm = all(one.scene.temperature is not None for one in inputs)
         self._turns = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
 
@@ -188,27 +162,16 @@ class Processes:
         rows, whole = [self.whiten.rows.of(i, r) for r in runs], []
         for effect in effects:
             kind = UNLOGGED[effect].removeprefix("gain ")
-            factors = [None if kind == UNLOGGED[effect] else p[i] for p in self._reading]
+            factors = [None if kind == UNLOGGED[effect] else p[i] for p in self._shapes.reading]
             logs = [
-                whole_evidence(field, rows, [self._modes(i, r, f"{kind} {hold}", factors[r]) for r in runs])
+                whole_evidence(
+                    field, rows, [self._shapes.modes(i, r, f"{kind} {hold}", factors[r]) for r in runs]
+                )
                 for hold in HOLDS_S
             ]
             whole.append(float(log_mean_exp(np.array(logs))))
         total = float(np.logaddexp.reduce(whole))
         return {effect: one - total for effect, one in zip(effects, whole, strict=True)}
-
-    def _modes(self, i: int, r: int, kind: str, factor: Array | None) -> tuple[Array, Array]:
-        """Modes of a smooth process at gyro i in a run, whitened (blocks, m), and their inner products."""
-        matrix, blocks = self.whiten.filters[i, r], self.inputs[r].scene.blocks
-        at: tuple[object, ...] = (kind, blocks.count, blocks.length_s)
-        if at not in self._known.modes:
-            self._known.modes[at] = smooth_modes(kind, blocks)
-        key = (id(matrix), *at, None if factor is None else factor.tobytes())
-        if key not in self._known.whitened:
-            modes = self._known.modes[at]
-            modes = matrix @ (modes if factor is None else modes * factor[:, None])
-            self._known.whitened[key] = (modes, modes.T @ modes, matrix)
-        return self._known.whitened[key][:2]
 
     def _record(self, left: Array, i: int, kind: str) -> Record:
         """Block means of a gyro, in which jumps of either kind are looked for."""
@@ -219,41 +182,31 @@ class Processes:
         for r in runs:
             matrix = self.whiten.filters[i, r]
             part, count = self.whiten.rows.of(i, r), len(matrix)
-            values[r, :count] = self._inverse(i, r)[0] @ left[part]
+            values[r, :count] = self._shapes.inverse(i, r)[0] @ left[part]
             scale = np.diag(matrix)
             # a block without samples has next to no weight
             seen[r, :count] = scale > 0.1 * float(np.median(scale))
             if kind.startswith("gain"):
-                weights[r] = float(np.mean(self._reading[r][i]))
-        return Record(values, seen, weights, self._inverse(i, 0)[1])
+                weights[r] = float(np.mean(self._shapes.reading[r][i]))
+        return Record(values, seen, weights, self._shapes.inverse(i, 0)[1])
 
     def spread(self, i: int, kind: str) -> tuple[Array, Array]:
         """Variances of the process of unit size at gyro i in its eigenvectors; how many runs share each."""
         alike: dict[int, tuple[Array, int]] = {}
-        for r, one in enumerate(self.inputs):
-            _, d = self._eigen(i, r, one.scene.blocks, kind)
+        for r in range(len(self.inputs)):
+            _, d = self._shapes.eigen(i, r, kind)
             alike[id(d)] = (d, alike.get(id(d), (d, 0))[1] + 1)
         every = list(alike.values())
         return np.concatenate([d for d, _ in every]), np.concatenate(
             [np.full(len(d), float(k)) for d, k in every]
         )
 
-    def _inverse(self, i: int, r: int) -> tuple[Array, Background]:
-        """What turns whitened rows of a gyro in a run back, and the background that it makes of them."""
-        matrix = self.whiten.filters[i, r]
-        if id(matrix) not in self._known.inverses:
-            inverse = np.asarray(np.linalg.inv(matrix), np.float64)
-            middle = inverse[len(inverse) // 2]
-            background = Background.of(inverse[len(inverse) // 2 :] @ middle)
-            self._known.inverses[id(matrix)] = (inverse, background, matrix)
-        return self._known.inverses[id(matrix)][:2]
-
     def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
         """Ln B, best gain in ln likelihood, best size and its error."""
         # runs that share a filter share eigenvectors: (their variances, how many runs, sums of powers)
         alike: dict[int, tuple[Array, list[Array]]] = {}
-        for r, one in enumerate(self.inputs):
-            vectors, d = self._shape(i, r, one.scene.blocks, kind)
+        for r in range(len(self.inputs)):
+            vectors, d = self._shapes.of(i, r, kind)
             power = (vectors.T @ left[self.whiten.rows.of(i, r)]) ** 2
             alike.setdefault(id(d), (d, []))[1].append(power)
         d = np.concatenate([d for d, _ in alike.values()])
@@ -271,57 +224,8 @@ class Processes:
         std = 0.5 * size / np.sqrt(-bend) if bend < 0.0 else size
         return float(log_mean_exp(logs)), float(max(logs[k], 0.0)), size, float(std)
 
-    def _shape(self, i: int, r: int, blocks: Blocks, kind: str) -> tuple[Array, Array]:
-        if not kind.startswith("gain"):
-            return self._eigen(i, r, blocks, kind)
-        reading, other = self._reading[r][i], kind.removeprefix("gain ")
-        middle = float(np.mean(reading))
-        if float(np.ptp(reading)) < _STEADY * max(abs(middle), _STEADY):
-            vectors, d = self._eigen(i, r, blocks, other)
-            return vectors, middle**2 * d
-        return self._eigen(i, r, blocks, other, reading)
-
-    def _eigen(
-        self, i: int, r: int, blocks: Blocks, kind: str, factor: Array | None = None
-    ) -> tuple[Array, Array]:
-        matrix = self.whiten.filters[i, r]
-        if kind.startswith("forgets"):
-            # means over blocks cannot tell times that are shorter than a block apart
-            kind = f"forgets {max(float(kind.split()[1]), 1.2 * blocks.length_s)}"
-        key = (id(matrix), kind, None if factor is None else factor.tobytes())
-        if key not in self._known.eigen:
-            constant = matrix.sum(axis=1)
-            constant = constant / np.linalg.norm(constant)
-            if kind.split()[0] in _SMOOTH:
-                # few modes: eigenvectors are sought among them
-                modes, _ = self._modes(i, r, kind, factor)
-                modes = modes - np.outer(constant, constant @ modes)
-                values, turn = np.linalg.eigh(modes.T @ modes)
-                some = values > SOME * values[-1]
-                vectors = modes @ (turn[:, some] / np.sqrt(values[some]))
-                self._known.eigen[key] = (vectors, values[some], matrix)
-                return self._known.eigen[key][:2]
-            covariance = _covariance(kind, blocks)
-            if factor is not None:
-                covariance = covariance * np.outer(factor, factor)
-            white = matrix @ covariance @ matrix.T
-            part = white @ constant
-            white = white - np.outer(constant, part) - np.outer(part, constant)
-            white += np.outer(constant, constant) * float(constant @ part)
-            values, vectors = np.linalg.eigh(white)
-            some = values > SOME * values[-1]
-            self._known.eigen[key] = (vectors[:, some], values[some], matrix)
-        return self._known.eigen[key][:2]
-
 
 def _unknown(name: tuple[str, ...], log_b: float, gain: float, share: float) -> Finding:
     return Finding(
         "unknown", name, ("*",), log_b, 2.0 * gain, {}, share, "process", "gyro", "low_frequency", 8
     )
-
-
-def _covariance(kind: str, blocks: Blocks) -> Array:
-    if not kind.startswith("forgets"):
-        return process_covariance(kind, 1.0, blocks)
-    time = float(kind.split()[1])
-    return np.exp(-np.abs(np.subtract.outer(blocks.centre_s, blocks.centre_s)) / time)

@@ -29,7 +29,8 @@ from fogreduce.gap.findings import Finding
 from fogreduce.gap.fitted import refined
 from fogreduce.gap.model import DELAYS, Model, modelled
 from fogreduce.gap.noise_model import Metric, Whitener, nuisances, whitener
-from fogreduce.gap.processes import Known, Processes
+from fogreduce.gap.process_shapes import Known
+from fogreduce.gap.processes import Processes
 
 Array = NDArray[np.float64]
 
