@@ -21,6 +21,7 @@ from fogreduce.gap.families_table import of_table
 from fogreduce.gap.family import HARMONICS, diagonal, family, lessened, modes, waves_of_angle
 from fogreduce.gap.noise_model import Whitener
 from fogreduce.gap.waveforms import after_effects, memories, recoveries, sawteeth, steps
+from fogreduce.physics.scale_factor import volts_from_rate
 
 Array = NDArray[np.float64]
 
@@ -170,17 +171,27 @@ def _of_gyros(
 def _exchanges(
     inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array], allowed: frozenset[str]
 ) -> Iterator[Candidate]:
-    """Two gyros, each with some of what the other reads less its own."""
+    """Two gyros, each with some of what it would read of the other's volts less what it reads of its own."""
     rows = whiten.rows
     pairs = [(i, j) for i in range(rows.n) for j in range(i + 1, rows.n)]
     share = lessened("channel_swap", allowed) / max(len(pairs), 1)
+    raw = [_volts(one, p) for one, p in zip(inputs, plain, strict=True)]
     for i, j in pairs:
         both = slice(rows.of(i).start, rows.of(j).stop)
-        apart = np.concatenate([p[j] - p[i] for p in plain])
+        order = np.arange(rows.n)
+        order[[i, j]] = j, i
+        apart = [one.scene.rates(v[order]) - p for one, v, p in zip(inputs, raw, plain, strict=True)]
         columns = np.zeros((both.stop - both.start, 2))
-        columns[: rows.per_gyro, 0], columns[-rows.per_gyro :, 1] = apart, apart
+        columns[: rows.per_gyro, 0] = np.concatenate([a[i] for a in apart])
+        columns[-rows.per_gyro :, 1] = np.concatenate([a[j] for a in apart])
         name = (gyro_name(i), gyro_name(j))
         yield family(name, both, whiten(columns, both)[:, None, :], "rate", "gyro", share=share)
+
+
+def _volts(one: RunInput, readings: Array) -> Array:
+    """Raw volts of decoded readings (n, blocks) [deg/h]."""
+    facts = one.facts
+    return volts_from_rate(readings / SECONDS_PER_HOUR, facts.scale_factor, facts.bias, facts.polarity)
 
 
 def _bumps(reading: Sequence[Array]) -> list[Array]:

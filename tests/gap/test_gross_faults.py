@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from bench_lab import diagnosed, lab, simulated
+from bench_lab import RECORD, diagnosed, lab, simulated
 
 
 def put(effect: str, channel: str, **parameters: object) -> dict:
@@ -53,6 +53,15 @@ def test_steps_as_wide_as_the_noise_are_lost_bits_alone(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, simulated(tmp_path, [put("lost_bits", "gyro2", bits=8)]))
     assert found["verdict"] == "explained"
     assert [(c["effect"], c["channels"]) for c in found["causes"]] == [("lost_bits", ["gyro2"])]
+
+
+def test_an_exchange_that_no_name_stands_for_is_seen_where_it_is(tmp_path: Path) -> None:
+    record = {**RECORD, "scale_factor_V_per_deg_s": [0.075, -0.09, 0.05, 0.075]}
+    lab(tmp_path, record)
+    exchange = simulated(tmp_path, [put("channel_swap", "gyro2", **{"with": "gyro3"})])
+    found = diagnosed(tmp_path, exchange, "--without", "channel_swap")
+    assert found["verdict"] in ("unexplained", "partly_explained")
+    assert found["where"][0]["channels"] == ["gyro2", "gyro3"]
 
 
 def test_what_the_unknown_explains_far_better_is_not_explained(tmp_path: Path) -> None:
