@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _LEAST_BINS = 16  # fewer do not tell coloured noise from white
+_WORST_BASIS = 1e7  # condition of the basis at the bins: stamps beyond it are so wrong that no error holds
 
 
 @dataclass(frozen=True)
@@ -208,6 +209,8 @@ class Fit:
             return ChannelFit(self.channels[channel], fitted, None, None, stated)
         time_s = time_s[inside]
         columns = segment.basis.columns(time_s)
+        if np.linalg.cond(columns) > _WORST_BASIS:
+            return ChannelFit(self.channels[channel], fitted, None, None, stated)
         # A bin's mean of the sine is its middle value times sinc of half the turn within the bin.
         flattened = fitted.with_rate.copy()
         flattened[1:3] *= np.sinc(fitted.rate_rad_s * self.bin_s / (2 * np.pi))

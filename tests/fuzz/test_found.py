@@ -98,6 +98,17 @@ def test_stamps_that_stand_still(fuzz_lab):
     assert (outcome.status, outcome.err) == (0, "")
 
 
+def test_a_byte_lost_within_a_stamp(fuzz_lab):
+    """All stamps after it are wrong, some by a million years: one bin so far away that no error can be stated."""
+    good = fuzz_lab.good[fuzz_lab.capture]
+    fuzz_lab.capture.write_bytes(good[:5901] + good[5902:])
+    before = fuzz_lab.listing()
+    outcome = attempt(fuzz_lab.reduce())
+    fuzz_lab.mend(fuzz_lab.capture)
+    fuzz_lab.tidy(before)
+    assert (outcome.status, outcome.err) == (0, "")
+
+
 def test_an_error_holds_nothing_that_a_terminal_obeys():
     """Names and bytes come from anywhere: a line's end, an escape sequence, half of a surrogate pair."""
     said = str(Fault("a\udc80", "b\n", "\x1b[2J\x00é", "\u2028x"))
