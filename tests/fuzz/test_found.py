@@ -99,7 +99,7 @@ def test_stamps_that_stand_still(fuzz_lab):
 
 
 def test_a_byte_lost_within_a_stamp(fuzz_lab):
-    """All stamps after it are wrong, some by a million years: one bin so far away that no error can be stated."""
+    """Stamps after it are wrong, some by a million years: one bin so far off that no error can be stated."""
     good = fuzz_lab.good[fuzz_lab.capture]
     fuzz_lab.capture.write_bytes(good[:5901] + good[5902:])
     before = fuzz_lab.listing()
