@@ -76,6 +76,7 @@ def _expected_levels(inputs: Sequence[RunInput]) -> Levels | None:
         pieces * len(frequency),
         _stated(inputs),
         facts.sample_rate_hz,
+        np.ones((n, len(frequency))),
     )
 
 

@@ -154,6 +154,9 @@ class Fast:
                 if f.effect == "low_pass":
                     tau = float(f.parameters["time_constant_ms"][0])
                     held *= filter_gain(tau, self.facts.sample_rate_hz, self.levels.frequency)
+            for f in mine:
+                if f.process is not None and f.channels == (f"gyro{i + 1}",):
+                    held *= self.levels.beside(*f.process, i)
             free = any(f.effect == "angle_random_walk" for f in here)
             named = {f.effect for f in here}
             allowed = self.allowed - named

@@ -21,6 +21,7 @@ from fogreduce.gap.bundles import Bundles
 from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.candidates import all_candidates
 from fogreduce.gap.causes import Cause
+from fogreduce.gap.converter_slow import converter_means
 from fogreduce.gap.data import Data
 from fogreduce.gap.evidence import Field, Fit, log_bayes
 from fogreduce.gap.families import families
@@ -244,8 +245,11 @@ class Search:
         fitted = iter(model.causes)
         merged = [next(fitted) if c.slow else c for c in causes]
         free = Field.of(g.metric.beside(model.slopes), g.y - model.change)
-        wide = Field.of(free.metric.wider(model.shapes), free.y)
-        return State(model, merged, wide, g, free.gain(model.shapes))
+        data = self.data
+        volts = data.noise_counts() * data.inputs[0].facts.volts_per_count
+        codes = g.whiten(converter_means(data.inputs, causes, volts, g.whiten.rows))
+        shapes = np.column_stack([model.shapes, codes])
+        return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, free.gain(shapes))
 
     # ------------------------------------------------------------------------------------ options
 
@@ -363,6 +367,8 @@ class Search:
             causes = [*state.causes, best.cause()]
             # where departures from shape are credited to what is left, a cause that takes it gets that back
             gain = best.raw + best.log_prior + further
+            # the unknown counts with all its families, and so does what could stand in this one's place
+            gain += float(np.logaddexp.reduce([o.score - best.score for o in choice]))
             taken = self.state(causes, state.ground)
             if best.fit is not None:
                 # an effect, simulated, may not do what its column promised: it was no small step
@@ -409,8 +415,10 @@ class Search:
             best = max(choice, key=lambda o: o.score, default=None)
             if now is None or best is None or (best.process and not cause.process):
                 continue
-            if best.score > now.score + 1.0:
-                change += best.score - now.score
+            # what departures of the others may have made of it counts alike for both
+            better = min(best.score - now.score, best.raw + best.log_prior - now.raw - now.log_prior)
+            if better > 1.0:
+                change += better
                 causes = [*others[:k], best.cause(), *others[k:]]
                 state = self.state(causes, self._ground_beside(causes, ground) if best.process else ground)
         return state, change

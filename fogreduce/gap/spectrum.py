@@ -57,6 +57,8 @@ class Levels:
     stated : (n,) array
         N of the record [deg/sqrt(h)].
     rate_hz : float
+    expected : (n, F) array
+        Power that the record states [(deg/h)^2].
     """
 
     ratio: Array
@@ -67,6 +69,15 @@ class Levels:
     dof: float
     stated: Array
     rate_hz: float
+    expected: Array
+
+    def beside(self, kind: str, size: float, i: int) -> Array:
+        """Shape (F,) that a further process gives the spectrum of gyro i; a smooth one does not show."""
+        if kind not in ("flicker", "walk"):
+            return np.ones(len(self.frequency))
+        added = _drifting(self.frequency * self.rate_hz, **{kind: size})
+        result: Array = 1.0 + 0.5 * self.rate_hz * added / self.expected[i]
+        return result
 
 
 def levels(
@@ -102,8 +113,7 @@ def levels(
     quantum = facts.volts_per_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
     # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
     spectral = frequency * facts.sample_rate_hz
-    drifting = flicker[:, None] ** 2 / (np.pi * spectral)
-    drifting += 2.0 * walk[:, None] ** 2 / (SECONDS_PER_HOUR * (2.0 * np.pi * spectral) ** 2)
+    drifting = _drifting(spectral, flicker[:, None], walk[:, None])
     expected = (white**2 + quantum**2 / 12.0)[:, None] + 0.5 * facts.sample_rate_hz * drifting
     power, pieces = np.zeros((n, len(frequency))), np.zeros(n)
     cross = np.zeros((len(frequency), n, n))
@@ -132,7 +142,17 @@ def levels(
         float(sum(run.pieces for run in usable)) * float(clean.sum()),
         stated,
         facts.sample_rate_hz,
+        expected,
     )
+
+
+def _drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0.0) -> Array:
+    """One-sided density [(deg/h)^2/Hz] of flicker of B [deg/h] and a walk of K [deg/h/sqrt(h)]."""
+    turning = 2.0 * np.pi * hertz
+    result: Array = 2.0 * np.square(flicker) / turning + 2.0 * np.square(walk) / (
+        SECONDS_PER_HOUR * turning**2
+    )
+    return result
 
 
 def filter_gain(tau_ms: float, rate_hz: float, frequency: Array) -> Array:

@@ -130,7 +130,7 @@ def _mean_of_process(step: Step) -> float:
     named = [
         o for o in step.options if o.known and o.process and o.source.channels == unknown.source.channels
     ]
-    if any(o.log_b >= unknown.log_b for o in named):
+    if any(o.score >= unknown.score for o in named):
         return 0.0  # a process of the catalogue does as well, mean and all
     same = [o for o in step.options if o.fit is not None and o.source.channels == unknown.source.channels]
     means = [o.log_b for o in same if o.key[0] == "bias_offset" or getattr(o.source, "feature", "") == "mean"]

@@ -18,6 +18,14 @@ def put(effect: str, channel: str, **parameters: object) -> dict:
         [put("bias_offset", "gyro4", deg_h=3.0), put("scale_factor_asymmetry", "gyro1", ppm=60.0)],
         [put("table_rate_error", "table", ppm=100.0), put("crosstalk", "gyro3", ppm=300.0, source="gyro1")],
         [put("bias_ramp", "gyro3", deg_h_per_h=100.0), put("bias_offset", "gyro4", deg_h=1.0)],
+        [
+            put("mount_rotation", "table", mrad=[0.0, 0.1, 0.1]),
+            put("rate_random_walk", "gyro3", deg_h_sqrt_h=3.0),
+        ],
+        [
+            put("base_motion", "table", deg_h=0.1, frequency_hz=9.3, axis=[0.6, 0.0, 0.8]),
+            put("bias_instability", "gyro1", deg_h=0.2),
+        ],
     ],
     ids=lambda effects: "-".join(one["effect"] for one in effects),
 )
