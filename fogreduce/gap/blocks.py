@@ -58,17 +58,18 @@ class Blocks:
         length = max(SHORTEST_S, duration / MOST_BLOCKS, _LEAST_SAMPLES / rate)
         count = max(int(duration / length + 1e-9), 1)
         length = min(length, duration / count)
-        edges = facts.profile.edges_s
+        edged = further.union(np.floor((facts.profile.edges_s + 1e-9) / length).astype(np.intp).tolist())
+        inside = (np.arange(_INSIDE) + 0.5) * length / _INSIDE
         times, first, total = [], [], 0
         for k in range(count):
             start, end = k * length, (k + 1) * length
-            if k in further or ((edges >= start - 1e-9) & (edges < end - 1e-9)).any():
+            if k in edged:
                 # where the rate jumps, the very instants of the samples count
                 low, high = int(np.ceil(start * rate - 1e-6)), int(np.ceil(end * rate - 1e-6))
                 index = np.arange(low, max(high, low + 1))
                 at = index[:: max(1, len(index) // _AT_EDGE)] / rate
             else:
-                at = start + (np.arange(_INSIDE) + 0.5) * length / _INSIDE
+                at = start + inside
             times.append(at)
             first.append(total)
             total += len(at)

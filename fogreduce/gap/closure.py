@@ -155,14 +155,17 @@ def _features(
 ) -> Array:
     """Whitened columns (rows, m) of features, causes and their departures under a fold's whitener."""
     ground = search.ground.whiten
-    columns = [slopes, whiten(shapes)]
+    room = _MOST_FEATURES - slopes.shape[1] - shapes.shape[1]
+    wholes = [np.zeros((ground.rows.total, 0))]
     for family in families:
-        if sum(c.shape[1] for c in columns) + family.columns.shape[2] > _MOST_FEATURES:
+        if family.columns.shape[2] > room:
             continue
+        room -= family.columns.shape[2]
         whole = np.zeros((ground.rows.total, family.columns.shape[2]))
         whole[family.rows] = family.columns[:, 0, :]
-        columns.append(whiten(_coloured(ground, whole)))
-    return np.column_stack(columns)
+        wholes.append(whole)
+    # all at once: filters are solved for once
+    return np.column_stack([slopes, whiten(shapes), whiten(_coloured(ground, np.column_stack(wholes)))])
 
 
 def _coloured(ground: Whitener, white: Array) -> Array:

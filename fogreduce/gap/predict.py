@@ -54,8 +54,10 @@ class Scene:
         """The blocks, those asked at every sample into which effects shift an edge of the profile."""
         start = sum(a.parameters["s"] for a in actions if a.effect.name == "start_offset")
         ages = {a.parameters["ms"] * 1e-3 for a in actions if a.effect.name == "latency"}
+        if not start and not ages:
+            return self.blocks
         edges = self.facts.profile.edges_s
-        late = np.concatenate([edges + start + age for age in (0.0, *ages)]) if start or ages else edges
+        late = np.concatenate([edges + start + age for age in (0.0, *ages)])
         further = self.blocks.holding(late) - self.blocks.holding(edges)
         if further not in self._shifted:
             self._shifted[further] = Blocks.of(self.facts, further) if further else self.blocks
