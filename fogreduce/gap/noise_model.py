@@ -304,15 +304,12 @@ class Metric:
         if columns.shape[1] == 0:
             return self
         length = np.sqrt(np.maximum(np.sum(columns**2, axis=0), 1e-300))
-        free = columns * (1e5 / length)
-        cross = self.a.T @ free
-        inner = np.block([[self.inner, cross], [cross.T, free.T @ free]])
-        return Metric._of(np.column_stack([self.a, free]), inner, self)
+        return self.wider(columns * (1e5 / length))
 
     def onto(self, columns: Array, rows: slice) -> Array:
         """A'x of whitened columns (m, k) that stand at `rows`: (q, k).
 
-        Remembered for the metric that others were made from with `beside`: the same columns are held against
+        Remembered for the metric that others were made from: the same columns are held against
         many residuals.
         """
         if self.parent is not None:
@@ -326,7 +323,9 @@ class Metric:
         """The same with further whitened columns, one standard deviation each, marginalised."""
         if columns.shape[1] == 0:
             return self
-        return Metric.of(np.column_stack([self.a, columns]))
+        cross = self.a.T @ columns
+        inner = np.block([[self.inner, cross], [cross.T, columns.T @ columns]])
+        return Metric._of(np.column_stack([self.a, columns]), inner, self)
 
     def gram(self, x: Array, y: Array) -> Array:
         """Inner products of whitened columns x (rows, k) and y (rows, l)."""

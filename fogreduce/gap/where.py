@@ -22,6 +22,7 @@ from fogreduce.physics.special import log_chi2_tail, log_normal_tail, normal_dev
 _TRIALS = 300.0
 LEAST_SIGMA = 4.0
 _MOST = 6
+_MORE = 1.0 + 1e-6
 _GROSS = 150.0  # signal-to-noise ratio
 _GROSS_PLACES = {"channel_swap": "rate", "start_offset": "rate"}
 
@@ -105,7 +106,8 @@ def places(
             k = family.columns.shape[2]
             q = max(np.sqrt(max(fit.q, 0.0)) - doubt, 0.0) ** 2
             sigma = significance(q, k, _TRIALS * family.columns.shape[1])
-            if top is None or sigma > top.sigma:
+            # of places that say the same, as a mean and a rate that stays do, the first
+            if top is None or sigma > top.sigma * _MORE:
                 runs = tuple(run_ids) if family.runs == ("*",) else family.runs
                 top = Place(
                     family.stage, family.channels, runs, family.feature, sigma, q, k, _at(family, fit.best)
