@@ -77,9 +77,10 @@ def _mixed(
     mixes = []
     for at in (pairs.sum(axis=1) + offset, np.abs(pairs[:, 0] - pairs[:, 1]) - offset):
         near = np.rint(at).astype(int)[:, None] + np.arange(-2, 3)
-        mean, gain = sizes_log(moduli(np.clip(near, 0, len(hz) - 1)))
-        # not where one of the two lines themselves stands
-        apart = np.all(np.abs(near[:, :, None] - pairs[:, None, :]) > 8, axis=2)
+        inside = np.clip(near, 0, len(hz) - 1)
+        mean, gain = sizes_log(moduli(inside))
+        # not where one of the two lines themselves stands, nor one that is a cause already
+        apart = np.all(np.abs(near[:, :, None] - pairs[:, None, :]) > 8, axis=2) & free[inside]
         mean = np.where((near >= 0) & (near < len(hz)) & apart, mean, -np.inf)
         at_best = mean.argmax(axis=1)[:, None]
         mixes.append((mean.max(axis=1) - np.log(3.0), np.take_along_axis(gain, at_best, 1)[:, 0]))

@@ -50,3 +50,19 @@ def test_a_line_of_one_phase_in_every_run() -> None:
 
 def test_noise_alone() -> None:
     assert _best(_noise(np.random.default_rng(3))) < 2.0
+
+
+def test_a_line_that_is_a_cause_already_is_no_product_of_others() -> None:
+    rng = np.random.default_rng(5)
+    z = _noise(rng)
+    for hz in (20.0, 22.5):
+        _line(z, hz, 4.0, rng.uniform(0, 6.28, RUNS))
+    free = np.abs(HZ - 2.5) > 0.12
+
+    def best(z: NDArray[np.complex128]) -> float:
+        power = np.sum(np.abs(z) ** 2, axis=1)
+        return max((one[0] for one in unknown_lines(list(z.T), power, HZ, free, COUNT)), default=0.0)
+
+    before = best(z)
+    _line(z, 2.5, 30.0, rng.uniform(0, 6.28, RUNS))
+    assert best(z) < before + 1.0
