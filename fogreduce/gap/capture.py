@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 #: Sample rate below which a log is slow: a few samples a dwell, no spectrum of noise alone.
 SLOWEST_HZ = 2.0
 _NEAR = 0.1  # of the largest reading predicted at any gyro
+_SEVERAL, _NEAR_EDGE_S = 3, 10.0
 
 
 @dataclass(frozen=True)
@@ -145,6 +146,7 @@ def read_samples(one: RunInput, capture: Path | None = None, actions: Sequence[A
         flag = block.gyro_flag[:, take]
         if facts.sample_rate_hz < SLOWEST_HZ:
             flag = np.where(_as_predicted(values, predicted), flag & ~GyroFlag.SPURIOUS, flag)
+        flag = np.where(_moved(values, predicted, flag, time_s, facts), flag & ~GyroFlag.SPURIOUS, flag)
         values[flag != 0] = np.nan
         at = _places(pulse)
         residual[:, at] = values
@@ -173,6 +175,23 @@ def _as_predicted(departure: Array, predicted: Array) -> NDArray[np.bool_]:
     """
     largest = np.max(np.abs(predicted), initial=0.0)
     return np.asarray(np.abs(departure) <= _NEAR * largest)
+
+
+def _moved(
+    departure: Array, predicted: Array, flag: NDArray[np.uint8], time_s: Array, facts: RunFacts
+) -> NDArray[np.bool_]:
+    """Whether samples (N,) called spurious are the table's doing: near an edge of its profile, at several
+    gyros at once, and no larger than a rate turned round.
+
+    A table that starts a few samples late looks like a burst of spurious counts.
+    """
+    several: NDArray[np.bool_] = np.sum((flag & GyroFlag.SPURIOUS) != 0, axis=0) >= _SEVERAL
+    if not several.any():
+        return several
+    edges = facts.profile.edges_s
+    near = np.min(np.abs(time_s[:, None] - edges), axis=1) < _NEAR_EDGE_S
+    largest = np.max(np.abs(predicted), initial=0.0)
+    return several & near & np.all(np.abs(departure) <= 2.1 * largest, axis=0)
 
 
 def block_residual(samples: Samples, blocks: Blocks, sample_rate_hz: float) -> tuple[Array, Array]:

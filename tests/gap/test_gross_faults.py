@@ -42,6 +42,15 @@ def test_a_late_start_is_found_in_whatever_second_it_falls(tmp_path: Path, late_
     assert found["closure"]["fraction"] > 0.99
 
 
+def test_a_start_a_few_samples_late_is_no_burst_of_spurious_counts(tmp_path: Path) -> None:
+    lab(tmp_path)
+    late = simulated(tmp_path, [put("start_offset", "table", s=0.0224)])
+    found = diagnosed(tmp_path, late, "--only-runs", "r0")
+    assert found["verdict"] == "explained"
+    (cause,) = found["causes"]
+    assert "start_offset" in [rival["effect"] for rival in cause["group"]]
+
+
 def test_a_gyro_that_rests_in_every_run_shares_no_noise(tmp_path: Path) -> None:
     lab(tmp_path, rates=(10.0, 10.0, 10.0, 10.0, 10.0, 10.0))
     found = diagnosed(tmp_path, simulated(tmp_path, [put("saturation", "gyro3", volts=0.1)]))
