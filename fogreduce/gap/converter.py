@@ -30,6 +30,8 @@ _WAVES = np.arange(0.45, 3.6, 0.05)  # kappa sigma
 _FINE = 6000
 _STRETCH = 200  # neighbouring kappa whose waves are made from one
 _NOT_NOISE = 1.1
+#: In a run longer than this [s] a gyro drifts in more ways than `slow` has; within so many seconds, hardly.
+_LONG, _DRIFTS = 600, 20.0
 _APART = 4.0  # waves farther apart than this, times sigma, are none of each other's in noise
 
 
@@ -97,7 +99,12 @@ def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | N
     seen = there.sum(axis=1) > second // 2
     if seen.sum() > 2 * slow.shape[1]:
         size = np.linalg.lstsq(slow[: len(e)][seen], means[seen], rcond=1e-8)[0]
-        e = np.where(there, e - (slow[: len(e)] @ size)[:, None], 0.0)
+        follows = slow[: len(e)] @ size
+        if len(e) > _LONG:
+            near = np.exp(-0.5 * (np.arange(-3.0 * _DRIFTS, 3.0 * _DRIFTS + 1.0) / _DRIFTS) ** 2)
+            drift, weight = (np.convolve(x, near, "same") for x in ((means - follows) * seen, seen))
+            follows = follows + drift / np.maximum(weight, 1.0)
+        e = np.where(there, e - follows[:, None], 0.0)
     t = np.arange(second) - (second - 1) / 2.0
     fast = e - e.mean(axis=1, keepdims=True)
     fast = fast - (fast @ t / (t @ t))[:, None] * t
