@@ -12,6 +12,7 @@ from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.simulate.capture import Blocks, write_capture
 from fogreduce.simulate.forward import SimulatedBlock
 from fogreduce.simulate.from_curves import blocks_from_curves
+from fogreduce.simulate.own import Marks, mark_of, own_captures
 from fogreduce.simulate.plan import Plan
 from fogreduce.simulate.publish import published
 
@@ -21,7 +22,8 @@ Told = Callable[[int], None]
 def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None) -> None:
     """Write the simulated campaign to the folder `out`.
 
-    Beside it, ``<out>.injected.yaml`` says what was put in: seed, effects, and what was drawn.
+    Beside it, ``<out>.injected.yaml`` says what was put in: seed, effects, what was drawn, and which captures
+    are simulated.
 
     Parameters
     ----------
@@ -31,8 +33,15 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None) -> 
         A folder, which need not exist; run.yaml and logs are copied, captures added.
     told : callable
         Is told how many records are done.
+
+    Raises
+    ------
+    BadInput
+        `out` lies in the campaign, holds other runs, or a capture that no simulation wrote.
     """
     _refuse(plan, out)
+    places = {run_id: Path("runs", run_id, plan.runs[run_id].capture.file) for run_id in plan.chosen}
+    marks = own_captures({run_id: out / place for run_id, place in places.items()}, injected_path(out))
     done = 0
     with published(out) as folder:
         _write_campaign_yaml(plan, folder)
@@ -40,9 +49,12 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None) -> 
             _copy_metadata(plan, run_id, folder / "runs" / run_id)
             capture, facts = plan.runs[run_id].capture, plan.facts(run_id)
             blocks = _counted(_blocks(plan, run_id), done, told)
-            write_capture(folder / "runs" / run_id / capture.file, capture.format, facts, blocks)
+            write_capture(folder / places[run_id], capture.format, facts, blocks)
             done += facts.n_expected
-    write_text(injected_path(out), _injected(plan))
+        made = [mark_of(run_id, folder / place) for run_id, place in places.items()]
+        marks += [mark for mark in made if mark not in marks]
+        # Before the captures take their places, so that none stands there that is not listed.
+        write_text(injected_path(out), _injected(plan, marks))
 
 
 def injected_path(out: Path) -> Path:
@@ -65,13 +77,14 @@ def _counted(blocks: Blocks, done: int, told: Told) -> Iterator[SimulatedBlock]:
 
 
 def _refuse(plan: Plan, out: Path) -> None:
-    """An output folder that is the campaign itself, or holds other runs."""
+    """An output folder that is the campaign itself, lies in it, or holds other runs."""
     if out.exists() and not out.is_dir():
         raise BadInput.at(out, "", found="a file", expected="a folder, or nothing yet")
-    if out.resolve() == plan.folder.resolve():
-        raise BadInput.at(
-            out, "", found="the campaign itself", expected="another folder, so that no capture is lost"
+    if out.resolve().is_relative_to(plan.folder.resolve()):
+        found = (
+            "the campaign itself" if out.resolve() == plan.folder.resolve() else "a folder in the campaign"
         )
+        raise BadInput.at(out, "", found=found, expected="another folder, so that no capture is lost")
     runs = out / "runs"
     present = {path.name for path in runs.iterdir()} if runs.is_dir() else set()
     others = sorted(name for name in present - set(plan.runs) if not name.startswith("."))
@@ -97,7 +110,7 @@ def _copy_metadata(plan: Plan, run_id: str, here: Path) -> None:
             shutil.copyfile(plan.folder / "runs" / run_id / name, here / name)
 
 
-def _injected(plan: Plan) -> str:
+def _injected(plan: Plan, captures: Marks) -> str:
     """What was put in, as YAML; its effects and draws are entries of an effects file."""
     return dump_yaml(
         {
@@ -106,5 +119,6 @@ def _injected(plan: Plan) -> str:
             "noise": plan.noise,
             "effects": [entry.model_dump(mode="json") for entry in plan.effects],
             "drawn": [entry.model_dump(mode="json") for entry in plan.drawn],
+            "captures": captures,
         }
     )

@@ -277,6 +277,36 @@ def test_another_campaigns_output_is_not_mixed_in(
     assert "other" in capsys.readouterr().err
 
 
+def test_measured_captures_are_never_overwritten(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Another campaign with the same runs, whether it was measured or changed since it was simulated."""
+    out = tmp_path / "out"
+    assert simulate(campaign, out) == 0
+    for options in (["--seed", "8"], ["--only-runs", "1-x-plus"], ["--seed", "9"]):
+        assert simulate(campaign, out, *options) == 0  # its own output, as often as one likes
+    (out / "runs" / "8-still" / "capture.fogcap").write_bytes(b"measured")
+    before = captures(out)
+    capsys.readouterr()
+    assert simulate(campaign, out, "--seed", "9") == 2
+    assert captures(out) == before
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "runs/8-still/capture.fogcap: found a capture that no `fogreduce simulate` wrote" in said
+    assert simulate(campaign, out, "--only-runs", "1-x-plus") == 0  # the other is left alone
+    (tmp_path / "out.injected.yaml").unlink()
+    before = captures(out)
+    assert simulate(campaign, out) == 2
+    assert captures(out) == before
+    assert not (tmp_path / "out.injected.yaml").exists()
+
+
+def test_a_folder_in_the_campaign_is_refused(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulate(campaign, campaign / "runs" / "predicted") == 2
+    assert "found a folder in the campaign" in capsys.readouterr().err
+    assert sorted(path.name for path in (campaign / "runs").iterdir()) == ["1-x-plus", "8-still"]
+
+
 def test_captures_from_curves_take_no_effects(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert simulate(ROOT / "campaigns" / "published", tmp_path / "out", "--seed", "1") == 2
     assert "captures_from.curves" in capsys.readouterr().err

@@ -1,0 +1,67 @@
+"""Which captures of a folder an earlier simulation wrote: those, and no others, may be written over.
+
+``<out>.injected.yaml`` lists each with its size and the SHA-256 of its first MiB: enough to tell it from a
+measured one, and as quick for a capture of a day as for one of a minute.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from fogreduce.errors import BadInput, Fault
+from fogreduce.metadata.yaml12 import load_yaml
+
+_HEAD_BYTES = 1 << 20
+
+Marks = list[dict[str, object]]
+
+
+def mark_of(run_id: str, capture: Path) -> dict[str, object]:
+    """An entry of the list ``captures``."""
+    with capture.open("rb") as file:
+        head = hashlib.sha256(file.read(_HEAD_BYTES)).hexdigest()
+    return {"run": run_id, "bytes": capture.stat().st_size, "head_sha256": head}
+
+
+def own_captures(captures: Mapping[str, Path], record: Path) -> Marks:
+    """The list of an earlier simulation, as far as it holds once `captures` are written over.
+
+    Parameters
+    ----------
+    captures : mapping
+        Run -> where its capture is to be written.
+    record : Path
+        ``<out>.injected.yaml``, which need not be there.
+
+    Raises
+    ------
+    BadInput
+        A capture stands there that no simulation wrote.
+    """
+    listed = _listed(record)
+    others = [entry for entry in listed if entry.get("run") not in captures]
+    there = {run_id: path for run_id, path in captures.items() if path.exists()}
+    marks = {run_id: mark_of(run_id, path) for run_id, path in there.items()}
+    faults = [
+        Fault(
+            str(there[run_id]),
+            "",
+            "a capture that no `fogreduce simulate` wrote",
+            f"another folder, or one that {record.name} lists",
+        )
+        for run_id, mark in marks.items()
+        if mark not in listed
+    ]
+    if faults:
+        raise BadInput(faults[0])
+    return [*others, *marks.values()]
+
+
+def _listed(record: Path) -> Marks:
+    try:
+        listed = load_yaml(record).get("captures")
+    except BadInput:
+        return []
+    return [entry for entry in listed if isinstance(entry, dict)] if isinstance(listed, list) else []
