@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from fogreduce.archive.crate import CRATE
 from fogreduce.archive.records import MANIFEST, OUTPUTS, Manifest, Outputs, manifest_of, parse_json
+from fogreduce.archive.version_ids import version_ids
 from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput, Fault
 
@@ -66,27 +65,5 @@ class Facts:
             self.manifests[folder] = manifest_of(parse_json(raw, file), file)
         elif name == OUTPUTS:
             self.outputs[folder] = Outputs.from_data(parse_json(raw, file), file)
-        elif name.endswith(".json"):
-            found = parse_json(raw, file).get("version_id")
-            self.version_ids[path] = {str(found)}
-        elif name.endswith(".csv"):
-            self.version_ids[path] = _ids_of_table(raw, file)
-
-
-def _ids_of_table(raw: bytes, file: Path) -> set[str]:
-    """The version ids in a table's column of that name; every row must have as many fields as the header."""
-    try:
-        rows = csv.reader(io.StringIO(raw.decode(), newline=""), strict=True)
-        header = next(rows, [])
-        ids = set()
-        for number, row in enumerate(rows, 2):
-            if len(row) != len(header):
-                found = f"{len(row)} fields"
-                raise BadInput.at(
-                    file, f"line {number}", found=found, expected=f"{len(header)}, as its header"
-                )
-            if "version_id" in header:
-                ids.add(row[header.index("version_id")])
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise BadInput.at(file, "", found=str(error), expected="a CSV table in UTF-8") from None
-    return ids
+        elif name.endswith((".json", ".csv")):
+            self.version_ids[path] = version_ids(raw, file)

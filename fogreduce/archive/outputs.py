@@ -11,6 +11,7 @@ from typing import Any
 from fogreduce.archive.digest import file_digest
 from fogreduce.archive.machine import machine
 from fogreduce.archive.records import OUTPUTS, OUTPUTS_SCHEMA, Manifest, read_manifest
+from fogreduce.archive.version_ids import ids_of_result
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
 
@@ -67,17 +68,14 @@ def checksums(folder: Path, told: Told = lambda done: None) -> dict[str, Any]:
 
 
 def _complete(folder: Path, manifest: Manifest) -> None:
-    """BadInput unless the last stage's table is there and of the manifest's version."""
+    """BadInput unless the last stage's table is there, and every file is of the manifest's version."""
     path = folder / "tables" / "drift.csv"
     if not path.is_file():
         raise BadInput.at(path, "", found="no such file", expected="the table of the last stage")
-    lines = path.read_text(encoding="utf-8").splitlines()
-    columns = lines[0].split(",") if lines else []
-    if "version_id" in columns and len(lines) > 1:
-        found = lines[1].split(",")[columns.index("version_id")]
-        if found != manifest.version_id:
+    for name in result_files(folder):
+        for found in sorted(ids_of_result(folder, name) - {manifest.version_id}):
             expected = f"{manifest.version_id}, as the manifest has it"
-            raise BadInput.at(path, "version_id", found=found, expected=expected)
+            raise BadInput.at(folder / name, "version_id", found=found, expected=expected)
 
 
 def results_bytes(folder: Path) -> int:

@@ -99,13 +99,11 @@ def _in_results(folder: Path, results: Path, campaigns: Path, calibrations: Path
     return RunPlace(manifest, folder, made if made.is_dir() else campaigns / run, calibrations, None)
 
 
-def one_run(places: list[RunPlace], name: str | None, place: Path) -> RunPlace:
-    """The run of that name (``run`` or ``campaign/run``), or the only one."""
+def one_run(places: list[RunPlace], name: str | None, place: Path, how: str) -> RunPlace:
+    """The run of that name (``run`` or ``campaign/run``), or the only one; `how` one is named."""
     fitting = [item for item in places if name in (None, item.name, item.manifest.run_id)]
     if len(fitting) == 1:
         return fitting[0]
     known = ", ".join(item.name for item in places[:8]) + (", ..." if len(places) > 8 else "")
     found = f"{len(fitting)} runs" if name is None else f"{len(fitting)} runs named {name}"
-    raise BadInput.at(
-        place, "", found=found, expected=f"one to be named, RUN:table.csv:row:column, of {known}"
-    )
+    raise BadInput.at(place, "", found=found, expected=f"one to be named, {how}, of {known}")

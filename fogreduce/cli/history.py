@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.archive.places import one_run, run_places
 
     places = run_places(arguments.place, arguments.campaigns, arguments.calibrations)
-    found = history(one_run(places, arguments.run, arguments.place).results)
+    found = history(one_run(places, arguments.run, arguments.place, "--run NAME").results)
     if arguments.format == "json":
         import json
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from fogreduce.archive.outdated import refuse_another_run, remove_outdated
 from fogreduce.cli.reduce import add_arguments as add_arguments
 from fogreduce.cli.reduce import manifest_of
 from fogreduce.datasets.atomic import write_text
@@ -14,6 +15,9 @@ HELP = "write the manifest of a run (a node of the workflow)"
 
 def run(arguments: argparse.Namespace) -> int:
     """Check the run's metadata, hash its inputs and write the manifest."""
-    text = json.dumps(manifest_of(arguments), indent=1, allow_nan=False)
+    manifest = manifest_of(arguments)
+    text = json.dumps(manifest, indent=1, allow_nan=False)
+    refuse_another_run(arguments.out, manifest)
+    remove_outdated(arguments.out, manifest["version_id"])
     write_text(arguments.out / "manifest.json", text + "\n")
     return 0

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from fogreduce.cli.beside import beside
 from fogreduce.cli.memory import keep_freed_memory
+from fogreduce.cli.raw import refuse_raw
 from fogreduce.errors import BadInput
 
 HELP = "reduce one run, all stages in one process"
@@ -42,6 +45,7 @@ def manifest_of(arguments: argparse.Namespace) -> dict[str, Any]:
     if not arguments.run.is_dir():
         found = "a file" if arguments.run.exists() else "no such folder"
         raise BadInput.at(arguments.run, "", found=found, expected="a run's folder")
+    refuse_raw("--out", arguments.out)
     from fogreduce.archive.manifest import manifest
 
     return manifest(arguments.run, arguments.calibrations, _parameters(arguments))
@@ -62,17 +66,33 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
     return parameters | given
 
 
+@contextmanager
+def _nothing_left(out: Path) -> Iterator[None]:
+    """Where the reduction fails, folders that it made and that are empty are removed."""
+    made = [folder for folder in (out / "datasets", out, *out.parents) if not folder.exists()]
+    try:
+        yield
+    except BaseException:
+        for folder in made:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Reduce; the tables are byte for byte those of the workflow."""
     manifest = beside(lambda: manifest_of(arguments))
     keep_freed_memory()
+    from fogreduce.archive.outdated import refuse_another_run, remove_outdated
     from fogreduce.cli.progress import progress
     from fogreduce.stages.files import write_json
     from fogreduce.stages.run import reduce_run
     from fogreduce.stages.setup import MANIFEST, Setup
 
     setup = Setup(manifest(), arguments.out)
-    with progress(setup.facts.n_expected, "records") as told:
+    refuse_another_run(arguments.out, setup.manifest)
+    with _nothing_left(arguments.out), progress(setup.facts.n_expected, "records") as told:
         reduce_run(setup, arguments.run, told)
+    remove_outdated(arguments.out, setup.version_id)
     write_json(arguments.out / MANIFEST, setup.manifest)
     return 0

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     name = CellName.parse(arguments.cell)
     places = run_places(arguments.place, arguments.campaigns, arguments.calibrations)
-    found = trace(one_run(places, name.run, arguments.place), name)
+    found = trace(one_run(places, name.run, arguments.place, "RUN:table.csv:row:column"), name)
     if arguments.format == "text":
         print(trace_text(found), end="")
         return 0
