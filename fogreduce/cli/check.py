@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from fogreduce.metadata.calibration import CalibrationRecord
     from fogreduce.metadata.run import Run
 
+#: Lines of a capture that are read at a time.
+_RECORDS = 1 << 16
+
 HELP = "validate a run, a campaign or a calibration record: every fault, with file, key and reason"
 
 
@@ -98,6 +101,7 @@ def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capt
 
     path = path.parent if path.name == "run.yaml" else path
     run = _collect(faults, load_run, path, need_capture=need_capture)
+    _left_to_do(path / "run.yaml", faults)
     record_id = run.calibration if run else named_calibration(path)
     loaded = _collect(faults, load_calibration, calibrations, record_id) if record_id else None
     if run is None or loaded is None:
@@ -110,9 +114,24 @@ def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capt
     return f"{record.n} gyros, {run.n_expected} records expected, calibration {run.calibration}"
 
 
+def _left_to_do(path: Path, faults: list[Fault]) -> None:
+    """Values that `fogreduce init` left to be filled in and that may pass for what is asked for, a name."""
+    from fogreduce.cli.init import TODO
+    from fogreduce.metadata.yaml12 import load_yaml
+
+    try:
+        data = load_yaml(path)
+    except BadInput:
+        return  # said already
+    told = {fault.where for fault in faults if fault.file == str(path)}
+    for key, value in data.items():
+        if isinstance(value, str) and TODO in value.split("@") and key not in told:
+            faults.append(Fault(str(path), key, TODO, "the value itself, filled in"))
+
+
 def _check_capture(path: Path, run: Run, record: CalibrationRecord) -> None:
-    """The capture's header against run.yaml and the record."""
-    from fogreduce.datasets.readers import open_capture
+    """The capture's header against run.yaml and the record; of text, which anyone may edit, every line."""
+    from fogreduce.datasets.readers import csv1, open_capture
     from fogreduce.datasets.readers.contradictions import contradictions
     from fogreduce.metadata.facts import RunFacts
 
@@ -120,6 +139,9 @@ def _check_capture(path: Path, run: Run, record: CalibrationRecord) -> None:
     facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
     if wrong := contradictions(capture.facts, facts, path):
         raise BadInput(*wrong)
+    if run.capture.format == csv1.FORMAT:
+        for _ in capture.blocks(_RECORDS):
+            pass  # a line that is no record is refused as it is read
 
 
 def _check_logs(path: Path, run: Run, faults: list[Fault]) -> None:

@@ -6,6 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
+from fogreduce.cli.raw import refuse_raw
 from fogreduce.errors import BadInput
 
 HELP = "write the page of a run, of a campaign or over all campaigns (a node of the workflow)"
@@ -32,8 +33,21 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
     if not arguments.results.is_dir():
         raise BadInput.at(arguments.results, "", found="no such folder", expected="a folder of results")
+    if arguments.campaigns is not None and not arguments.campaigns.is_dir():
+        raise BadInput.at("--campaigns", "", found=f"no folder {arguments.campaigns}", expected="a folder")
+    refuse_raw("DIR", arguments.results)
+    _refuse_other(arguments.of, arguments.results)
     _WRITERS[arguments.of](arguments.results, arguments.campaigns)
     return 0
+
+
+def _refuse_other(of: str, folder: Path) -> None:
+    """A page over runs is not written over that of a run, nor one over campaigns over a campaign's."""
+    expected = {"campaign": "results of a campaign", "index": "results of all campaigns"}
+    if of in expected and (folder / "manifest.json").exists():
+        raise BadInput.at(folder, "", found="results of a run", expected=expected[of])
+    if of == "index" and any(folder.glob("*/manifest.json")):
+        raise BadInput.at(folder, "", found="results of a campaign", expected=expected[of])
 
 
 def _run(folder: Path, campaigns: Path | None) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from fogreduce.figures.envelope import Columns, columns_of
 from fogreduce.figures.style import Identity
 from fogreduce.stages.dataset import StageDataset
 from fogreduce.stages.files import read_json
+from fogreduce.stages.read_tables import read_rows
 from fogreduce.stages.setup import Setup, seconds
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ class Results:
             made[1] if setup.axes else None,
             _report(setup, "fit"),
             _report(setup, "ingest"),
-            _drift(setup),
+            read_rows(setup.out, "drift", setup.version_id),
         )
 
     @property
@@ -132,18 +132,6 @@ def _report(setup: Setup, name: str) -> dict[str, Any]:
     report = read_json(path)
     _same_version(setup, path, report.get("version_id"))
     return report
-
-
-def _drift(setup: Setup) -> list[dict[str, str]]:
-    path = setup.table("drift")
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-    except OSError as error:
-        raise BadInput.at(path, "", found=error.strerror, expected="a table of the reduction") from None
-    for row in rows:
-        _same_version(setup, path, row.get("version_id"))
-    return rows
 
 
 def _same_version(setup: Setup, path: Path, found: object) -> None:

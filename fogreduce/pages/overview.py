@@ -6,7 +6,6 @@ small files and not every table, fit and log again.
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from collections.abc import Mapping
@@ -19,11 +18,10 @@ from fogreduce.archive.records import read_manifest, read_record
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.errors import BadInput
 from fogreduce.estimate.mean_curve import integral_terms
+from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 OVERVIEW = "reports/overview.json"
 SCHEMA = "fogreduce/overview/1"
-
-Row = dict[str, str]
 
 
 def overview(folder: Path) -> dict[str, Any]:
@@ -55,7 +53,7 @@ def overview(folder: Path) -> dict[str, Any]:
     flagged = {name: int(ingest[name] or 0) for name in ("lost", "torn_bytes")}
     flagged |= {name: int(value) for name, value in ingest["flagged"].items()}
     flagged["unstable_intervals"] = len(fit["unstable"])
-    drift = table(folder, "drift", version)
+    drift = {name: read_rows(folder, name, version) for name in COLUMNS}["drift"]
     return {
         "schema": SCHEMA,
         "version_id": version,
@@ -91,21 +89,6 @@ def kept_overview(folder: Path) -> dict[str, Any]:
     if same and (folder / "tables" / "drift.csv").is_file():
         return dict(kept)
     return overview(folder)
-
-
-def table(folder: Path, name: str, version: str) -> list[Row]:
-    """Rows of one of the run's tables, as text."""
-    path = folder / "tables" / f"{name}.csv"
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-    except FileNotFoundError:
-        raise BadInput.at(path, "", found="no such file", expected="a table of the reduction") from None
-    except (OSError, ValueError, csv.Error) as error:
-        raise BadInput.at(path, "", found=error, expected="a table of the reduction") from None
-    for row in rows:
-        _same_version(path, row.get("version_id"), version)
-    return rows
 
 
 def report(folder: Path, name: str, version: str) -> dict[str, Any]:

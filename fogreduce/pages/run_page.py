@@ -9,8 +9,9 @@ from typing import Any
 from fogreduce.archive.records import Manifest, read_manifest, read_record
 from fogreduce.pages import svg
 from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
-from fogreduce.pages.overview import Row, overview, real, report, table
+from fogreduce.pages.overview import overview, real, report
 from fogreduce.pages.render import Crumb, page
+from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.
 _MOST_PICTURES = 2_400_000
@@ -61,21 +62,21 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
     manifest = read_manifest(folder)
     version = manifest.version_id
     seen = overview(folder) if seen is None else seen
-    drift = table(folder, "drift", version)
+    tables = {name: read_rows(folder, name, version) for name in COLUMNS}
     figures, linked, left_out = _figures(folder, version)
     context = {
         "run": seen,
         "facts": _facts(manifest, seen),
         "notes": manifest.run.get("notes"),
-        "drift": _drift_rows(drift),
+        "drift": _drift_rows(tables["drift"]),
         "chart": None if figures else _chart(seen),
         "flags": [flag(kind, value) for kind, value in seen["flagged"].items()],
         "places": _places(folder, version),
-        "unstable": table(folder, "unstable", version),
-        "rate_fit": _fit_rows(table(folder, "rate_fit", version), "axis", "deg_s", "deg_s2"),
-        "gyro_fit": _fit_rows(table(folder, "gyro_fit", version), "gyro", "V", "V_s"),
+        "unstable": tables["unstable"],
+        "rate_fit": _fit_rows(tables["rate_fit"], "axis", "deg_s", "deg_s2"),
+        "gyro_fit": _fit_rows(tables["gyro_fit"], "gyro", "V", "V_s"),
         "noise": seen["noise"],
-        "encoder": _encoder_rows(table(folder, "encoder", version)),
+        "encoder": _encoder_rows(tables["encoder"]),
         "figures": figures,
         "linked": linked,
         "left_out": left_out,

@@ -109,3 +109,21 @@ def test_random_bytes_as_records(small_lab, capsys):
     counts, _ = reduce(small_lab, capsys)
     assert counts["records"] == RECORDS
     assert counts["bad_stamp"] + counts["beyond_profile"] == RECORDS == counts["lost"]
+
+
+@pytest.mark.parametrize("line", ["nan,1,2,3,4", "6.25,1,inf,3,4", "abc,1,2,3,4", ",1,2,3,4"])
+def test_a_csv_line_that_is_no_record(small_lab, capsys, line):
+    """Found by `check` as by `reduce`, which leaves no folder behind."""
+    lines = csv_lines()
+    lines[100] = line
+    path = small_lab.write_csv(lines)
+    expected = f"{path}: line 101: found {line}; expected a time and 4 voltages "
+    expected += "(finite numbers, or empty for no answer)\n"
+    assert main(["check", str(small_lab.run), "--calibrations", str(small_lab.calibrations)]) == 2
+    assert capsys.readouterr().err == expected
+    assert main(small_lab.reduce()) == 2
+    assert capsys.readouterr().err == expected
+    assert not small_lab.out.exists()
+    (small_lab.out / "mine").mkdir(parents=True)
+    assert main(small_lab.reduce()) == 2
+    assert [path.name for path in small_lab.out.iterdir()] == ["mine"]

@@ -122,6 +122,50 @@ def test_a_run_without_its_tables_is_refused_by_name(lab, tmp_path, capsys) -> N
     assert "drift.csv: found no such file; expected a table of the reduction" in error
 
 
+TABLES = ("drift", "rate_fit", "gyro_fit", "quality", "unstable", "encoder")
+
+
+@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize("header", ["spoilt", "empty"])
+def test_a_table_without_its_columns_is_refused_by_name(lab, tmp_path, capsys, name, header) -> None:
+    """One line, and neither page nor overview of it."""
+    folder = Path(shutil.copytree(lab.run("r2"), tmp_path / "r2"))
+    path = folder / "tables" / f"{name}.csv"
+    columns, *rows = path.read_text().splitlines()
+    first = columns.split(",")[0]
+    path.write_text("\n".join([f"x{columns}", *rows]) + "\n" if header == "spoilt" else "")
+    for made in ("index.html", "reports/overview.json"):
+        (folder / made).unlink(missing_ok=True)
+    assert main(["page", "run", str(folder)]) == 2
+    found = f"x{columns}"[:80] if header == "spoilt" else "nothing"
+    assert capsys.readouterr().err == f"{path}: line 1: found {found}; expected the column {first}\n"
+    assert not (folder / "index.html").exists()
+    assert not (folder / "reports" / "overview.json").exists()
+
+
+def test_a_torn_table_and_one_of_no_number_are_refused(lab, tmp_path, capsys) -> None:
+    folder = Path(shutil.copytree(lab.run("r2"), tmp_path / "r2"))
+    path = folder / "tables" / "drift.csv"
+    columns, row, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([columns, row[:20]]))
+    assert main(["page", "run", str(folder)]) == 2
+    assert "drift.csv: line 2: found" in capsys.readouterr().err
+    spoilt = row.split(",")
+    spoilt[columns.split(",").index("duration_s")] = "long"
+    path.write_text("\n".join([columns, ",".join(spoilt), *rows]))
+    assert main(["page", "run", str(folder)]) == 2
+    assert "drift.csv: line 2: found long; expected duration_s, a number" in capsys.readouterr().err
+
+
+def test_pages_over_runs_stay_out_of_a_runs_results(lab, tmp_path, capsys) -> None:
+    results = Path(shutil.copytree(lab.run("r2").parent, tmp_path / "c1"))
+    for of, folder in (("campaign", results / "r2"), ("index", results / "r2"), ("index", results)):
+        before = (folder / "index.html").read_bytes() if (folder / "index.html").exists() else None
+        assert main(["page", of, str(folder)]) == 2
+        assert capsys.readouterr().err.startswith(f"{folder}: found results of a ")
+        assert ((folder / "index.html").read_bytes() if before is not None else None) == before
+
+
 def test_a_unit_of_two_gyros_has_a_page_without_drift(tmp_path) -> None:
     record = {key: value for key, value in RECORD.items() if key != "H"}
     record |= {"axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]}
