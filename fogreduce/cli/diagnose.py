@@ -5,15 +5,19 @@ closes.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fogreduce.cli.options import add_calibrations
+from fogreduce.cli.raw import refuse_raw, run_ids
 from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
     from fogreduce.gap.diagnose import Diagnosis
+
+_PROBABILITY, _SNR = 0.95, 10.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--without", metavar="EFFECT", action="append", default=[], help="take an effect out of the catalogue"
     )
-    parser.add_argument("--only-runs", metavar="ID,...", default="", help="diagnose these runs only")
+    parser.add_argument("--only-runs", metavar="ID,...", help="diagnose these runs only")
     parser.add_argument(
         "--each",
         metavar="FILE",
@@ -60,15 +64,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--probability",
         metavar="P",
         type=float,
-        default=0.95,
-        help="--detectable: with which an amplitude is to be seen (default: %(default)s)",
+        help=f"--detectable: with which an amplitude is to be seen (default: {_PROBABILITY})",
     )
     parser.add_argument(
         "--snr",
         metavar="S",
         type=float,
-        default=10.0,
-        help="--detectable: signal-to-noise ratio of what is to be told apart (default: %(default)s)",
+        help=f"--detectable: signal-to-noise ratio of what is to be told apart (default: {_SNR:g})",
     )
 
 
@@ -83,17 +85,20 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput.at(
             option, "", found="with --simulated", expected="our own simulator, which alone can do it"
         )
+    _refuse_idle(args)
     several = campaign_folders(args.campaign)
     campaigns = args.campaign if several is None else several
     if several is not None and args.simulated is not None:
         raise BadInput.at("--simulated", "", found=f"{len(several)} campaigns", expected="one campaign")
     own = read_each(args.each, [path.resolve().name for path in campaigns]) if args.each else {}
-    only = tuple(name for name in args.only_runs.split(",") if name)
+    only = run_ids(args.only_runs)
 
     def one(campaign: Path) -> None:
         name = campaign.resolve().name
         mine = own.get(name, Own())
         out = args.out if several is None or args.out is None else args.out / name
+        if out is not None:
+            refuse_raw("--out", out)
         do = _detectable if args.detectable else _diagnose
         do(campaign, out, (*args.without, *mine.without), mine.only_runs or only, args)
 
@@ -103,18 +108,41 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
+def _refuse_idle(args: argparse.Namespace) -> None:
+    """Options that would change nothing as they are given."""
+    if args.detectable and args.verify_next:
+        raise BadInput.at("--verify-next", "", found="with --detectable", expected="one of the two")
+    for option, value in (("--probability", args.probability), ("--snr", args.snr)):
+        if value is not None and not args.detectable:
+            raise BadInput.at(option, "", found="no --detectable", expected="both, or neither")
+
+
+def _steps(names: Sequence[str], args: argparse.Namespace) -> AbstractContextManager[Callable[[str], None]]:
+    """Progress through one campaign; of several, their number is shown already."""
+    from fogreduce.cli.many import campaign_folders
+    from fogreduce.cli.progress import steps
+
+    if campaign_folders(args.campaign) is not None:
+        return nullcontext(lambda name: None)
+    return steps(names)
+
+
 def _diagnose(
     campaign: Path, out: Path, without: Sequence[str], only: Sequence[str], args: argparse.Namespace
 ) -> None:
     """One campaign; its verdict on standard output."""
-    from fogreduce.gap.diagnose import diagnose
+    from fogreduce.gap.diagnose import STEPS, diagnose
     from fogreduce.gap.write import write
     from fogreduce.metadata.folder import load_campaign
 
-    diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated)
-    if args.verify_next:
-        _verify_next(diagnosis, campaign, without, only, args)
-    write(diagnosis, out, load_campaign(campaign).label)
+    names = (*STEPS, *(["verification"] if args.verify_next else []), "page")
+    with _steps(names, args) as told:
+        diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, told)
+        if args.verify_next:
+            told("verification")
+            _verify_next(diagnosis, campaign, without, only, args)
+        told("page")
+        write(diagnosis, out, load_campaign(campaign).label)
     causes = ", ".join(f"{c['effect']} {' '.join(c['channels'])}" for c in diagnosis.document["causes"])
     print(f"{out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}", flush=True)
 
@@ -126,7 +154,10 @@ def _detectable(
     from fogreduce.gap.detectable import detectable
     from fogreduce.gap.detectable_write import in_text, write_detectable
 
-    found = detectable(campaign, args.calibrations, args.probability, args.snr, without, only)
+    probability = _PROBABILITY if args.probability is None else args.probability
+    snr = _SNR if args.snr is None else args.snr
+    with _steps(["what would be seen"], args):
+        found = detectable(campaign, args.calibrations, probability, snr, without, only)
     print(in_text(found), flush=True)
     if out is not None:
         write_detectable(found, out)

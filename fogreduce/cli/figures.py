@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import time
 from pathlib import Path
 
 from fogreduce.errors import BadInput
@@ -37,6 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
     wrong = [name for name in formats if name not in FORMATS]
     if wrong:
         raise BadInput.at("--formats", "", found=wrong[0] or "nothing", expected=" or ".join(FORMATS))
+    if arguments.run is not None and not arguments.run.is_dir():
+        raise BadInput.at("--run", "", found=f"no folder {arguments.run}", expected="the run's folder")
+    began = time.monotonic()
     from fogreduce.cli.progress import progress
     from fogreduce.figures.catalogue import plan
     from fogreduce.figures.results import Results
@@ -44,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     results = Results.read(arguments.out)
     planned = plan(results, arguments.run)
-    with progress(len(planned.drawn), "figures") as told:
+    with progress(len(planned.drawn), "figures", began) as told:
         save_all(planned, results.identity, arguments.out / "figures", formats, told)
     for stem, reason in planned.left_out.items():
         print(f"{stem}: left out, {reason}")

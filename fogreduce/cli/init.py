@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import shlex
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ from fogreduce.errors import BadInput
 HELP = "start a commented run.yaml from a capture's header or a CSV's columns"
 
 TODO = "TODO"
+#: Lines of a CSV that are read at a time.
+_RECORDS = 1 << 16
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,8 +33,16 @@ def run(args: argparse.Namespace) -> int:
     text = run_yaml_text(args.capture.name, known_of(args.capture), out.absolute().parent)
     _write_new(out, text)
     todo = sum(TODO in line.split("#")[0] for line in text.splitlines())
-    print(f"{out}: {todo} lines marked {TODO}; fill them in, then run: fogreduce check {out.parent}")
+    print(f"{out}: {todo} lines marked {TODO}; fill them in, then run: {_check_command(out.parent)}")
     return 0
+
+
+def _check_command(folder: Path) -> str:
+    """The command that checks what was written: with the calibration records that lie nearest above."""
+    above = folder.absolute().parents
+    records = next((path / "calibrations" for path in above if (path / "calibrations").is_dir()), None)
+    place = "calibrations" if records is None else os.path.relpath(records)
+    return shlex.join(["fogreduce", "check", str(folder), "--calibrations", place])
 
 
 @dataclass(frozen=True)
@@ -55,7 +66,7 @@ def known_of(capture: Path) -> Known:
     BadInput
         The file cannot be read, or is neither.
     """
-    from fogreduce.datasets.readers import csv1, fogcap
+    from fogreduce.datasets.readers import fogcap
     from fogreduce.metadata.instant import instant_text
     from fogreduce.units import instant_of
 
@@ -65,7 +76,7 @@ def known_of(capture: Path) -> Known:
     except OSError as error:
         raise BadInput.at(capture, "", found=error.strerror, expected="a capture file") from None
     if not is_fogcap:
-        return Known(csv1.FORMAT, csv1.read_columns(capture))
+        return _known_of_csv(capture)
     reader = fogcap.FogcapReader(capture)
     facts = reader.facts
     start = None
@@ -81,6 +92,30 @@ def known_of(capture: Path) -> Known:
         facts.volts_per_count,
         duration_s,
     )
+
+
+def _known_of_csv(capture: Path) -> Known:
+    """A CSV's columns, and the rate and length that its times tell where they are right."""
+    import numpy as np
+
+    from fogreduce.constants import MICROSECONDS_PER_SECOND
+    from fogreduce.datasets.readers import csv1
+
+    gyros = csv1.read_columns(capture)
+    try:
+        blocks = csv1.CsvReader(capture, 1.0).blocks(_RECORDS)
+        time_s = np.concatenate([block.time_us for block in blocks]) / MICROSECONDS_PER_SECOND
+    except BadInput:
+        return Known(csv1.FORMAT, gyros)  # `fogreduce check` names the line
+    steps = np.diff(time_s)
+    middle = float(np.median(steps)) if steps.size else 0.0
+    if middle <= 0.0:
+        return Known(csv1.FORMAT, gyros)
+    # Stamps are rounded to microseconds: the mean of the steps that are one pulse long tells the rate better.
+    one = steps[np.abs(steps - middle) < 0.25 * middle]
+    rate = float(f"{1.0 / float(one.mean()):.6g}")
+    duration_s = round(float(time_s.max()) * rate + 1.0) / rate
+    return Known(csv1.FORMAT, gyros, sample_rate_hz=rate, duration_s=float(f"{duration_s:.9g}"))
 
 
 def run_yaml_text(capture: str, known: Known, folder: Path) -> str:

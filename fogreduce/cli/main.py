@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fogreduce import __version__
 from fogreduce.cli.shortage import memory_fault, out_of_memory
-from fogreduce.errors import Fault, FogreduceError
+from fogreduce.errors import BadInput, Fault, FogreduceError
 
 #: Subcommand -> (module of `fogreduce.cli`, what it does).
 COMMANDS = {
@@ -71,6 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = parser.parse_args(arguments)
     assert module is not None
     try:
+        _no_empty_value(arguments)
         return int(module.run(parsed))
     except FogreduceError as error:
         print(error, file=sys.stderr)
@@ -85,6 +86,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(error, OSError):
             return system_error(error)
         raise
+
+
+def _no_empty_value(arguments: Sequence[str]) -> None:
+    """An argument of no characters, as an unset variable of the shell gives it, is a folder to nobody."""
+    for before, word in zip(["", *arguments], arguments, strict=False):
+        option, equals, value = word.partition("=")
+        if word == "" or (option.startswith("--") and equals and not value):
+            named = option or (before if before.startswith("-") else "an argument")
+            raise BadInput.at(named, "", found="nothing", expected="a value")
 
 
 def system_error(error: OSError) -> int:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from fogreduce.cli.main import system_error
 from fogreduce.cli.progress import progress
+from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput, Fault, FogreduceError
 from fogreduce.metadata.folder import list_campaigns
 from fogreduce.metadata.yaml12 import load_yaml
@@ -74,6 +75,12 @@ def read_each(path: Path, campaigns: Sequence[str]) -> dict[str, Own]:
                 faults.append(Fault(str(path), f"{name}.{key}", "this key", "without or only_runs"))
             elif not isinstance(value, list) or not all(isinstance(one, str) for one in value):
                 faults.append(Fault(str(path), f"{name}.{key}", repr(value), "a list of names"))
+            elif key == "without":
+                faults += [
+                    Fault(str(path), f"{name}.{key}[{k}]", effect, "an effect of the catalogue")
+                    for k, effect in enumerate(value)
+                    if effect not in EFFECTS
+                ]
         if not faults:
             out[str(name)] = Own(*(tuple(entry.get(key, ())) for key in ("without", "only_runs")))
     if faults:

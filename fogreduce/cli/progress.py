@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 _SILENT_S = 2.0
+_TICK_S = 0.5
 
 
 @contextmanager
-def progress(total: int, unit: str) -> Iterator[Callable[[int], None]]:
-    """Gives a function to tell how much of `total` is done; a bar appears after two seconds."""
-    began = time.monotonic()
+def progress(total: int, unit: str, began: float | None = None) -> Iterator[Callable[[int], None]]:
+    """Gives a function to tell how much of `total` is done; a bar appears after two seconds.
+
+    `began` is when the command did, by `time.monotonic`, where it had something else to do first.
+    """
+    began = time.monotonic() if began is None else began
     bar: Any = None
 
     def told(done: int) -> None:
@@ -33,3 +38,39 @@ def progress(total: int, unit: str) -> Iterator[Callable[[int], None]]:
     finally:
         if bar is not None:
             bar.close()
+
+
+@contextmanager
+def steps(names: Sequence[str]) -> Iterator[Callable[[str], None]]:
+    """Gives a function to tell which of the steps `names` begins; after two seconds a bar names it.
+
+    For work whose steps are long and few: the time that has passed goes on while a step lasts.
+    """
+    if not sys.stderr.isatty():
+        yield lambda name: None
+        return
+    done, current = threading.Event(), [0]
+
+    def show() -> None:
+        if done.wait(_SILENT_S):
+            return
+        from tqdm import tqdm
+
+        with tqdm(total=len(names), unit=" steps", leave=False) as bar:
+            while True:
+                bar.set_description_str(names[current[0]], refresh=False)
+                bar.update(current[0] - bar.n)
+                bar.refresh()
+                if done.wait(_TICK_S):
+                    return
+
+    def told(name: str) -> None:
+        current[0] = names.index(name)
+
+    shown = threading.Thread(target=show, daemon=True)
+    shown.start()
+    try:
+        yield told
+    finally:
+        done.set()
+        shown.join()

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fogreduce.cli.options import add_calibrations
+from fogreduce.cli.raw import run_ids
 from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
@@ -21,7 +22,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "campaign", metavar="CAMPAIGN", type=Path, help="campaign folder; captures are not needed"
     )
     add_calibrations(parser)
-    parser.add_argument("--out", metavar="DIR", type=Path, help="becomes a campaign folder with the captures")
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        help="becomes a campaign folder with the captures; DIR.injected.yaml beside it says what was put in",
+    )
     parser.add_argument(
         "--effects", metavar="FILE", type=Path, help="effects to put in (fogreduce/effects/1)"
     )
@@ -32,9 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--draw-uncertainties",
         action="store_true",
-        help="draw the stated uncertainties; DIR.injected.yaml says what",
+        help="draw the stated uncertainties; DIR.injected.yaml, beside DIR, says what",
     )
-    parser.add_argument("--only-runs", metavar="ID,...", default="", help="simulate these runs only")
+    parser.add_argument("--only-runs", metavar="ID,...", help="simulate these runs only")
     parser.add_argument(
         "--export-model",
         metavar="FILE",
@@ -64,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
         seed=args.seed,
         noise=not args.no_noise,
         draw_uncertainties=args.draw_uncertainties,
-        only_runs=tuple(name for name in args.only_runs.split(",") if name),
+        only_runs=run_ids(args.only_runs),
     )
     plan = prepare(args.campaign, args.calibrations, options)
     if args.export_model is not None:

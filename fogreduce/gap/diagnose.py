@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,8 @@ from fogreduce.gap.where import Place
 from fogreduce.physics.special import log_chi2_tail
 
 SCHEMA = "fogreduce/diagnosis/1"
+#: The steps of a diagnosis, in order.
+STEPS = ("reading", "spectra", "search", "closure", "next run")
 _OTHER = {"channel_swap": "with", "crosstalk": "source"}  # the parameter that names another gyro
 
 
@@ -54,6 +56,7 @@ def diagnose(
     without: Sequence[str] = (),
     only: Sequence[str] = (),
     simulated: Path | None = None,
+    told: Callable[[str], None] = lambda step: None,
 ) -> Diagnosis:
     """Diagnose a campaign folder.
 
@@ -66,13 +69,18 @@ def diagnose(
         Empty: all.
     simulated : Path or None
         A campaign folder whose captures are the prediction, in place of our own simulator's.
+    told : callable
+        Hears which of `STEPS` begins.
     """
     for name in without:
         if name not in EFFECTS:
             raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
     allowed = frozenset(EFFECTS) - frozenset(without)
+    told("reading")
     data = read_data(campaign, calibrations, only, simulated)
+    told("spectra")
     search = Search(data, allowed)
+    told("search")
     nothing = search.ground
     y0 = search.state([], nothing)
     verdict = judged(search)
@@ -85,7 +93,9 @@ def diagnose(
         found = [_faint(verdict, data)]
     closure = None
     if verdict.word != "no_gap":
+        told("closure")
         closure = measured(search, verdict.state.causes, found)
+    told("next run")
     document = {
         "schema": SCHEMA,
         "campaign": campaign.resolve().name,

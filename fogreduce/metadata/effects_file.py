@@ -5,14 +5,32 @@ Only its shape is known here; which effects and parameters there are is for the 
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict
+from pydantic import BeforeValidator, Field, Strict
 
 from fogreduce.metadata.base import Model
+from fogreduce.metadata.faults import unexpected
+from fogreduce.metadata.words import kind_of
 
 Texts = Annotated[tuple[Annotated[str, Field(min_length=1)], ...], Strict(False)]
-Parameter = float | bool | str | Annotated[tuple[float, ...], Strict(False)]
+
+
+def _parameter(value: object) -> object:
+    """One fault in plain words, where a union of types would name each of them."""
+    numbers = value if isinstance(value, list | tuple) else [value] if not isinstance(value, str) else []
+    for number in numbers:
+        if not isinstance(number, int | float):
+            raise unexpected("a number, true or false, text, or a list of numbers", found=kind_of(number))
+        if not math.isfinite(number):
+            raise unexpected("a finite number", found=kind_of(number))
+    return value
+
+
+Parameter = Annotated[
+    float | bool | str | Annotated[tuple[float, ...], Strict(False)], BeforeValidator(_parameter)
+]
 
 
 class EffectEntry(Model):

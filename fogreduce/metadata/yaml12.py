@@ -119,6 +119,14 @@ def _text_of(file: str) -> str:
         raise BadInput.at(file, f"line {line}", found=found, expected="UTF-8 text") from None
 
 
+def _in_words(problem: str) -> str:
+    """What the parser says of broken syntax, as it stands after the word "found"."""
+    problem = re.sub(r"^(did|could) not find expected ", "no ", problem)
+    problem = re.sub(r"^found (character )?", lambda said: "a character " if said[1] else "", problem)
+    problem = re.sub(r" (is|are) not allowed", r" that \1 not allowed", problem)
+    return re.sub(r"^expected (.+), but found (.+)$", r"\2 in place of \1", problem)
+
+
 class _Reader:
     """Builds plain values from the parser's events; one use."""
 
@@ -141,7 +149,8 @@ class _Reader:
             event = next(self.events)
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
-            raise self._fault(mark, error.problem or error.context or "broken syntax", "YAML 1.2") from None
+            problem = error.problem or error.context or "broken syntax"
+            raise self._fault(mark, _in_words(problem), "YAML 1.2") from None
         except yaml.YAMLError as error:
             reason = getattr(error, "reason", None) or str(error)
             raise BadInput.at(self.file, "", found=reason, expected="YAML 1.2") from None

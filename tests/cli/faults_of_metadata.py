@@ -44,7 +44,12 @@ RUN_YAML = [
     Case(
         "broken YAML",
         lambda lab: lab.yaml.write_text("schema: [1, 2\nunit: x\n"),
-        "$yaml: line 2, column 5: found did not find expected ',' or ']'; expected YAML 1.2",
+        "$yaml: line 2, column 5: found no ',' or ']'; expected YAML 1.2",
+    ),
+    Case(
+        "a tab in YAML",
+        lambda lab: lab.yaml.write_text("site:\n\tlatitude_deg: 1\n"),
+        "$yaml: line 2, column 1: found a character that cannot start any token; expected YAML 1.2",
     ),
     Case(
         "not UTF-8",

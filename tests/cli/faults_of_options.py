@@ -1,5 +1,7 @@
 """Faults of logs, of options, and of the place for the results."""
 
+from string import Template
+
 from fault_case import Case
 
 ENCODER = '{"alpha_source": "encoder"}'
@@ -37,6 +39,16 @@ def _file_for_run(lab):
 
 def _no_run(lab):
     return ["reduce", str(lab.run.with_name("r7")), *lab.reduce()[2:]]
+
+
+def _diagnose(*options):
+    """A diagnosis of the campaign; the options may name the laboratory's folders."""
+
+    def arguments(lab):
+        places = {"campaign": str(lab.campaign), "out": str(lab.out)}
+        return ["diagnose", str(lab.campaign), *(Template(word).substitute(places) for word in options)]
+
+    return arguments
 
 
 LOGS = [
@@ -137,6 +149,57 @@ OPTIONS = [
     ),
     Case("RUN that is a file", _file_for_run, "$yaml: found a file; expected a run's folder"),
     Case("results where a file is", _file_for_out, "$out: found a file; expected a folder"),
+    Case(
+        "results in the run's own folder",
+        lambda lab: [*lab.reduce()[:-1], str(lab.run)],
+        "--out: found $run, the folder of a run or a campaign itself; "
+        "expected a folder of its own, apart from the raw data",
+    ),
+    Case(
+        "a diagnosis in the campaign's own folder",
+        _diagnose("--out", "$campaign"),
+        "--out: found $campaign, the folder of a run or a campaign itself; "
+        "expected a folder of its own, apart from the raw data",
+    ),
+    Case("no results", lambda lab: [*lab.reduce()[:-1], ""], "--out: found nothing; expected a value"),
+    Case("no results, after =", lambda lab: lab.reduce("--out="), "--out: found nothing; expected a value"),
+    Case("no run", lambda lab: ["check", ""], "an argument: found nothing; expected a value"),
+    Case(
+        "diagnose: no runs",
+        _diagnose("--out", "$out", "--only-runs", ","),
+        "--only-runs: found ,; expected names of runs: ID,...",
+    ),
+    Case(
+        "simulate: no runs",
+        lambda lab: ["simulate", str(lab.campaign), "--out", str(lab.out), "--only-runs", ",,"],
+        "--only-runs: found ,,; expected names of runs: ID,...",
+    ),
+    Case(
+        "a probability of nothing",
+        _diagnose("--out", "$out", "--probability", "0.9"),
+        "--probability: found no --detectable; expected both, or neither",
+    ),
+    Case(
+        "detectable, and verified",
+        _diagnose("--detectable", "--verify-next"),
+        "--verify-next: found with --detectable; expected one of the two",
+    ),
+    Case(
+        "a page where raw data are",
+        lambda lab: ["page", "index", str(lab.campaign)],
+        "DIR: found $campaign, the folder of a run or a campaign itself; "
+        "expected a folder of its own, apart from the raw data",
+    ),
+    Case(
+        "pages of campaigns that are not there",
+        lambda lab: ["page", "index", str(lab.root), "--campaigns", "nope"],
+        "--campaigns: found no folder nope; expected a folder",
+    ),
+    Case(
+        "figures of a run that is not there",
+        lambda lab: ["figures", "--out", str(lab.out), "--run", "nope"],
+        "--run: found no folder nope; expected the run's folder",
+    ),
     Case(
         "results below a file",
         _out_below_a_file,

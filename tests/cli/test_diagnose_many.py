@@ -97,6 +97,7 @@ def test_a_fault_of_ours_in_one_campaign_stops_no_other(made, tmp_path, capsys, 
         ({"elsewhere": {}}, ["elsewhere", "no such campaign"]),
         ({"with-ramp": {"effects": []}}, ["with-ramp.effects", "without or only_runs"]),
         ({"with-ramp": {"without": "bias_ramp"}}, ["with-ramp.without", "a list of names"]),
+        ({"with-ramp": {"without": ["gremlins"]}}, ["each.json: with-ramp.without[0]: found gremlins"]),
         ({"with-ramp": 3}, ["with-ramp", "a mapping"]),
     ],
 )

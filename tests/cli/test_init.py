@@ -1,11 +1,13 @@
 """`fogreduce init`: what a capture says stands in run.yaml, the rest is marked, nothing is overwritten."""
 
 import argparse
+import shlex
 import struct
 
 import pytest
 
 from fogreduce.cli import init
+from fogreduce.cli.main import main
 from fogreduce.errors import BadInput
 from fogreduce.metadata.folder import load_run
 from fogreduce.metadata.yaml12 import load_yaml
@@ -161,3 +163,24 @@ def test_odd_names_are_quoted(folder):
     start(odd / "a: #b")
     data = load_yaml(odd / "run.yaml")
     assert (data["run_id"], data["capture"]["file"]) == ("1e5", "a: #b")
+
+
+def test_rate_and_length_of_a_csv(folder):
+    """Of times rounded to microseconds, one line lost: 128 Hz, two seconds."""
+    lines = [f"{k / 128.0:.6f},1e-3,2e-3" for k in range(256) if k != 100]
+    (folder / "capture.csv").write_text("\n".join(["time_s,gyro1_V,gyro2_V", *lines]) + "\n")
+    assert start(folder / "capture.csv") == 0
+    data = load_yaml(folder / "run.yaml")
+    assert data["capture"]["sample_rate_hz"] == 128.0
+    assert data["table"]["profile"][0]["duration_s"] == 2.0
+
+
+def test_what_is_left_to_do_in_a_name_is_a_fault_too(folder, capsys):
+    """The unit's name may be any word; the hint runs as it is printed and finds it."""
+    (folder.parents[2] / "calibrations").mkdir()
+    start(folder / "capture.csv")
+    hint = capsys.readouterr().out.partition("then run: fogreduce ")[2]
+    assert main(shlex.split(hint)) == 2
+    said = capsys.readouterr().err
+    assert f"{folder}/run.yaml: unit: found TODO; expected the value itself, filled in\n" in said
+    assert f"{folder}/run.yaml: calibration: found TODO; expected the value itself, filled in\n" in said

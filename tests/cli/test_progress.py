@@ -3,10 +3,12 @@
 import io
 import re
 import sys
+import time
 
 import pytest
 
 from fogreduce.cli.main import main
+from fogreduce.cli.progress import steps
 from fogreduce.cli.stage import STAGES
 
 #: As tqdm has it: done, whole, time since the start, time left.
@@ -57,3 +59,39 @@ def test_each_stage(small_lab, said, capsys):
     for name in STAGES[:-1]:
         said(small_lab.stage(name, run=True))
     assert main(small_lab.stage("drift")) == 0
+
+
+def test_steps_are_named_while_they_last(monkeypatch):
+    """A step of a diagnosis tells nothing of itself until it ends: the bar names it all the same."""
+    monkeypatch.setattr("fogreduce.cli.progress._SILENT_S", 0.0)
+    monkeypatch.setattr("fogreduce.cli.progress._TICK_S", 0.001)
+    screen = Terminal()
+    monkeypatch.setattr(sys, "stderr", screen)
+    with steps(("reading", "search")) as told:
+        for name in ("reading", "search"):
+            told(name)
+            while name not in screen.getvalue():
+                time.sleep(0.001)
+    assert "/2 [" in screen.getvalue()
+
+
+def test_steps_of_a_quick_or_piped_command_are_silent(monkeypatch):
+    for screen in (Terminal(), io.StringIO()):
+        monkeypatch.setattr(sys, "stderr", screen)
+        with steps(("reading", "search")) as told:
+            told("search")
+        assert screen.getvalue() == ""
+
+
+def test_diagnose_names_its_steps(small_lab, monkeypatch, capsys):
+    """Those that the command announces are those that a diagnosis goes through."""
+    from fogreduce.gap import diagnose
+
+    def enough(*given):
+        raise InterruptedError
+
+    said = []
+    monkeypatch.setattr(diagnose, "Search", enough)
+    with pytest.raises(InterruptedError):
+        diagnose.diagnose(small_lab.campaign, small_lab.calibrations, told=said.append)
+    assert said == list(diagnose.STEPS[:2])
