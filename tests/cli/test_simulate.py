@@ -256,7 +256,8 @@ def test_bad_usage_is_one_clear_error(
     assert simulate(campaign, tmp_path / "out", *options) == 2
     error = capsys.readouterr().err
     assert told in error
-    assert error.count("\n") == 1
+    assert "Traceback" not in error
+    assert ".float" not in error  # a name of pydantic's
     assert not (tmp_path / "out").exists()
     assert not (tmp_path / "out.injected.yaml").exists()
 
