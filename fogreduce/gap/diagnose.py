@@ -15,7 +15,10 @@ from fogreduce.gap import design, where
 from fogreduce.gap.bundles import Bundles
 from fogreduce.gap.closure import Closure, measured
 from fogreduce.gap.data import Data, read_data
+from fogreduce.gap.evidence import Field
+from fogreduce.gap.findings import Finding
 from fogreduce.gap.search import Search
+from fogreduce.gap.significance import significance
 from fogreduce.gap.verdict import Named, Verdict, judged
 from fogreduce.gap.where import Place
 from fogreduce.physics.special import log_chi2_tail
@@ -84,11 +87,15 @@ def diagnose(
     nothing = search.ground
     y0 = search.state([], nothing)
     verdict = judged(search)
-    findings = [f for f in search.fast.findings([])]
-    findings += list(nothing.processes.findings(y0.field, allowed))
     faults = [*where.gross(y0.field, nothing.candidates), *where.joined(nothing.families)]
     seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
-    found = where.places(y0.field, seats, findings, data.run_ids)
+    found = where.places(
+        y0.field,
+        seats,
+        search.fast.findings([]),
+        lambda field: nothing.processes.findings(field, allowed),
+        data.run_ids,
+    )
     if verdict.word != "no_gap" and not found:
         found = [_faint(verdict, data)]
     closure = None
@@ -126,7 +133,7 @@ def _faint(verdict: Verdict, data: Data) -> Place:
         best = verdict.named[0].group[0][0]
     source = best.source
     runs = tuple(data.run_ids) if source.runs == ("*",) else source.runs
-    sigma = where.significance(max(best.q, 0.0), 1)
+    sigma = significance(max(best.q, 0.0), 1)
     return Place(source.stage, source.channels, runs, source.feature or "mean", sigma, max(best.q, 1e-6), 1)
 
 
@@ -182,13 +189,17 @@ def _remainder(search: Search, verdict: Verdict) -> dict[str, Any]:
             else getattr(option.source, "degrees", 1)
         )
         log_ps.append(min(log_chi2_tail(max(option.q, 1e-9), int(k)) + np.log(300.0), 0.0))
-    findings = [o.finding for o in options if o.finding is not None]
-    doubt = search.doubt_at(verdict.state, ["table"])
-    found = (
-        where.places(verdict.state.field, verdict.state.ground.families, findings, search.data.run_ids, doubt)
-        if significant
-        else []
-    )
+    state, found = verdict.state, []
+    if significant:
+        findings = [o.finding for o in options if o.finding is not None and not o.process]
+
+        def processes(field: Field) -> list[Finding]:
+            return [f for f in state.ground.processes.findings(field, search.allowed) if not f.known]
+
+        doubt = search.doubt_at(state, ["table"])
+        found = where.places(
+            state.field, state.ground.families, findings, processes, search.data.run_ids, doubt
+        )
     return {
         "significant": significant,
         "p_value": float(np.exp(min(log_ps))),

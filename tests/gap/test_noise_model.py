@@ -7,7 +7,7 @@ import pytest
 
 from fogreduce.gap.evidence import Field, log_bayes
 from fogreduce.gap.noise_model import Metric
-from fogreduce.gap.where import deviate
+from fogreduce.gap.significance import deviate
 from fogreduce.physics.special import log_chi2_tail
 
 
