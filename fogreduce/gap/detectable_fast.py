@@ -14,19 +14,19 @@ from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.converter import _WAVES
 from fogreduce.gap.detectable import TOLD_APART, Row, crossing, threshold
-from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.full_rate import FIRST_LINE, LEAST_LINE_HZ, PIECE
 from fogreduce.gap.line_evidence import sizes_log
 from fogreduce.gap.link import HEALTHY_FAULT, share_evidence
 from fogreduce.gap.spectrum import Levels, correlation_findings, filter_gain, level_findings
+from fogreduce.gap.stamps import clock_evidence, stamps
 from fogreduce.physics.noise import white_sigma
 
 Array = NDArray[np.float64]
 
 _LEAST_SAMPLES = 32
 _KEPT = 0.95  # of a line's amplitude that the nearest line of the spectrum shows, on average
-_SLOPE = 1e-6 / np.sqrt(12.0)  # scatter of stamps in whole microseconds [s]
+_ADDED_US = np.geomspace(0.01, 100.0, 61).tolist()  # what a wrong clock adds up to in the longest run
 
 
 def fast_rows(inputs: Sequence[RunInput], allowed: frozenset[str], probability: float) -> Iterator[Row]:
@@ -236,23 +236,26 @@ def _converter(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
 
 
 def _clock(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
-    """A straight line through stamps in whole microseconds, all runs together."""
-    weight = 0.0
-    for one in inputs:
-        samples, span = one.facts.n_expected, one.facts.n_expected / one.facts.sample_rate_hz
-        if samples >= 8:
-            std = _SLOPE / np.sqrt(samples / 12.0) / span * 1e6
-            weight += std**-2
-    if weight == 0.0:
+    """The error whose whole microseconds, which are no noise, say enough; any `probability`."""
+    facts = [one.facts for one in inputs if one.facts.n_expected >= 8]
+    every = [(one.n_expected, one.sample_rate_hz) for one in facts]
+    sizes = set(every)
+    if not sizes:
         return
-    std = weight**-0.5
-    scales = std * np.geomspace(3.0, 1e7, 15)
+    longest = max(n / rate for n, rate in sizes)
 
-    def excess(ppm: float) -> float:
-        snr2 = (ppm / std) ** 2
-        logs = -0.5 * np.log1p((scales / std) ** 2) + 0.5 * snr2 / (1.0 + (std / scales) ** 2)
-        return float(log_mean_exp(logs)) - threshold(1.0)
+    def seen(ppm: float) -> bool:
+        made = {}
+        for n, rate in sizes:
+            time_s = np.arange(n) / rate
+            made[n, rate] = stamps(np.round(time_s / (1.0 + 1e-6 * ppm) * 1e6) / 1e6, rate)
+        runs = [
+            made[key] for one in inputs if (key := (one.facts.n_expected, one.facts.sample_rate_hz)) in made
+        ]
+        return clock_evidence(runs)[1] > threshold(1.0)
 
-    even = crossing(excess, 1e-2 * std, 1e6 * std)
-    value = None if even is None else even + float(ndtri(probability)) * std
-    yield Row("clock_error", ("clock",), ("*",), "ppm", value, value is not None)
+    # of an error that adds up to so many microseconds
+    tried = [us / longest for us in _ADDED_US]
+    enough = [seen(ppm) for ppm in tried]
+    sure = [ppm for k, ppm in enumerate(tried) if all(enough[k:])]
+    yield Row("clock_error", ("clock",), ("*",), "ppm", sure[0] if sure else None, bool(sure))

@@ -12,8 +12,9 @@ from fogreduce.gap.converter import converter_findings
 from fogreduce.gap.data import Data
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.lines import line_findings
-from fogreduce.gap.link import link_findings, stamp_findings
+from fogreduce.gap.link import link_findings
 from fogreduce.gap.spectrum import correlation_findings, filter_gain, level_findings, levels
+from fogreduce.gap.stamps import stamp_findings
 
 Array = NDArray[np.float64]
 
@@ -41,7 +42,7 @@ class Fast:
         n = data.n
         self.link = [
             *link_findings(data.full, allowed, data.noise_counts()),
-            *stamp_findings(data.full, allowed),
+            *stamp_findings({run.run_id: run.stamps for run in data.full}, allowed),
             *converter_findings(data.codes, n, allowed, self._step_volts()),
         ]
         bits, colour = data.bits.astype(float), self._colour()

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import MISSING_COUNT
 from fogreduce.gap.capture import SLOWEST_HZ, Samples
+from fogreduce.gap.stamps import Stamps, stamps
 from fogreduce.metadata.facts import RunFacts
 
 Array = NDArray[np.float64]
@@ -56,10 +57,8 @@ class FullRate:
         Frequencies of the whole run's spectrum [Hz].
     lines : (n, L) complex array
         Its amplitudes, of unit variance in each quadrature for white noise of 1 deg/h a sample.
-    stamp_ppm, stamp_ppm_std, stamp_scatter_us : float
-        Rate of the stamps less that of the pulses; its error; scatter about a straight line.
-    stamps_bend : float
-        Normal deviate of a bend in the stamps.
+    stamps : Stamps
+        Time stamps against pulses.
     """
 
     run_id: str
@@ -78,10 +77,7 @@ class FullRate:
     cross: Array
     line_hz: Array
     lines: NDArray[np.complex128]
-    stamp_ppm: float
-    stamp_ppm_std: float
-    stamp_scatter_us: float
-    stamps_bend: float
+    stamps: Stamps
 
 
 def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator) -> FullRate:
@@ -99,7 +95,6 @@ def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator)
     pieces, frequency, power, cross = _spectrum(filled, facts.sample_rate_hz)
     line_hz, lines = _lines(filled, facts.sample_rate_hz)
     pairs, repeats = _repeats(samples.counts, good)
-    ppm, ppm_std, scatter, bend = _stamps(samples.stamp_s, facts.sample_rate_hz)
     stated = np.ones(len(good)) if facts.white_noise is None else facts.white_noise
     nominal = stated * 60.0 * np.sqrt(facts.sample_rate_hz)
     level = np.sqrt(np.median(power, axis=1)) if power.size else nominal
@@ -120,10 +115,7 @@ def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator)
         cross=cross,
         line_hz=line_hz,
         lines=lines,
-        stamp_ppm=ppm,
-        stamp_ppm_std=ppm_std,
-        stamp_scatter_us=scatter,
-        stamps_bend=bend,
+        stamps=stamps(samples.stamp_s, facts.sample_rate_hz),
     )
 
 
@@ -216,25 +208,3 @@ def _ends(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> Array:
             left = left[(left & ((1 << m) - 1)) == 0]
             row[m] = left.size
     return ends
-
-
-def _stamps(stamp_s: Array, rate_hz: float) -> tuple[float, float, float, float]:
-    """Straight line and bend of stamps against pulses; scatter at least that of whole microseconds."""
-    pulse_s = np.arange(len(stamp_s)) / rate_hz
-    there = np.isfinite(stamp_s)
-    x, y = pulse_s[there], (stamp_s - pulse_s)[there]
-    if x.size < 8 or np.ptp(x) == 0.0:
-        return 0.0, np.inf, 0.0, 0.0
-    far = np.abs(y - np.median(y))
-    near = far <= max(10.0 * float(np.median(far)), 1e-3)
-    if not near.all():
-        x, y = x[near], y[near]
-    u = (x - x.mean()) / np.ptp(x)
-    bend = u * u - np.mean(u * u)
-    bend -= u * ((bend @ u) / (u @ u))
-    slope, bent = float(u @ y) / float(u @ u), float(bend @ y) / float(bend @ bend)
-    left = y - np.mean(y) - slope * u - bent * bend
-    scatter = max(float(np.std(left)), 1e-6 / np.sqrt(12.0))
-    slope_std = scatter / np.sqrt(float(u @ u)) / np.ptp(x)
-    deviate = bent * float(np.sqrt(bend @ bend)) / scatter
-    return slope / np.ptp(x) * 1e6, slope_std * 1e6, scatter * 1e6, deviate

@@ -1,4 +1,4 @@
-"""What the link and the converter's codes say: missing and spurious answers, repeats, bits, stamps."""
+"""What the link and the converter's codes say: missing and spurious answers, repeats, bits."""
 
 from __future__ import annotations
 
@@ -126,29 +126,3 @@ def _reach(runs: Sequence[FullRate], i: int) -> float:
     even = np.where(counts <= _SPIKE_REACH, -np.log(2.0 * _SPIKE_REACH), -40.0)
     in_log = -np.log(2.0 * np.maximum(counts, 1.0) * np.log(2.0**31))
     return float(np.clip(np.sum(even - in_log), -50.0, 5.0))
-
-
-def stamp_findings(runs: Sequence[FullRate], allowed: frozenset[str]) -> Iterator[Finding]:
-    """A clock that runs fast or slow, the same in all runs; or stamps that bend."""
-    known = [run for run in runs if np.isfinite(run.stamp_ppm_std)]
-    if not known:
-        return
-    weight = np.array([1.0 / run.stamp_ppm_std**2 for run in known])
-    ppm = np.array([run.stamp_ppm for run in known])
-    slope, std = float(weight @ ppm / weight.sum()), float(weight.sum() ** -0.5)
-    snr2 = (slope / std) ** 2
-    scales = std * np.geomspace(3.0, 1e7, 15)
-    logs = -0.5 * np.log1p((scales / std) ** 2) + 0.5 * snr2 / (1.0 + (std / scales) ** 2)
-    # stamped t / (1 + e): shows -e / (1 + e)
-    error = -slope * 1e-6 / (1.0 + slope * 1e-6) * 1e6
-    effect = "clock_error" if "clock_error" in allowed else "unknown"
-    given = {"ppm": (error, std)} if effect != "unknown" else {}
-    log_b = float(log_mean_exp(logs))
-    yield Finding(effect, ("clock",), ("*",), log_b, snr2, given, 1.0, "stamps", "link", "time_stamps")
-    spread = float(np.sum(weight * (ppm - slope) ** 2)) if len(known) > 1 else 0.0
-    bend = float(sum(run.stamps_bend**2 for run in known))
-    # rounding to whole microseconds is no white noise: only what is far beyond it counts
-    left = max(spread + bend - 50.0 * len(known), 0.0)
-    runs_named = tuple(run.run_id for run in known)
-    log_left = 0.5 * left - 0.5 * len(known) * np.log1p(left) - 3.0
-    yield Finding("unknown", ("clock",), runs_named, log_left, left, {}, 1.0, "stamps", "link", "time_stamps")

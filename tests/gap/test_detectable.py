@@ -73,9 +73,13 @@ def test_a_higher_probability_takes_more_and_longer_runs_less(tmp_path) -> None:
     often = detectable(tmp_path / "a" / "plan", tmp_path / "a" / "cal", probability=0.99)
     seldom = detectable(tmp_path / "a" / "plan", tmp_path / "a" / "cal", probability=0.6)
     longer = detectable(tmp_path / "b" / "plan", tmp_path / "b" / "cal", probability=0.6)
-    for name in ("bias_ramp", "dropouts", "periodic_interference", "common_noise", "clock_error"):
+    for name in ("bias_ramp", "dropouts", "periodic_interference", "common_noise"):
         sizes = [rows(found, name)[0]["amplitude"] for found in (often, seldom, longer)]
         assert sizes[0] > sizes[1] > sizes[2], name
+    # rounding to whole microseconds is no chance: a clock that adds up to a half or so in a run is seen
+    sizes = [rows(found, "clock_error")[0]["amplitude"] for found in (often, seldom, longer)]
+    assert sizes[0] == sizes[1] == pytest.approx(4.0 * sizes[2], rel=1e-6)
+    assert 0.4 < sizes[0] * 120.0 < 0.8
 
 
 def test_one_gyro(tmp_path) -> None:
