@@ -145,6 +145,10 @@ def _diagnose(
         write(diagnosis, out, load_campaign(campaign).label)
     causes = ", ".join(f"{c['effect']} {' '.join(c['channels'])}" for c in diagnosis.document["causes"])
     print(f"{out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}", flush=True)
+    tried = (diagnosis.document["next_run"] or {}).get("verified")
+    if tried is not None:
+        told = "tells its rivals apart" if tried["separated"] else "does not tell its rivals apart"
+        print(f"  the next run, simulated with each rival as the truth, {told}", flush=True)
 
 
 def _detectable(

@@ -36,8 +36,8 @@ from fogreduce.gap.words import named
 Array = NDArray[np.float64]
 
 _MOST_RIVALS = 8
-_TOLD_APART = 3.0  # separation from which on two rivals count as told apart [sigma]
-_ENOUGH = 6.0  # separation beyond which a run need not last longer
+_WORTH = 3.0  # separation from which on a longer run is worth a try [sigma]
+_ENOUGH = 6.0  # separation from which on two rivals count as told apart [sigma]
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def proposed(search: Search, verdict: Verdict) -> NextRun | None:
         seconds = float(round(part * longest_s(search.data.inputs), 3))
         chosen = replace(motion, duration_s=seconds)
         separation = bench.separation(chosen)
-        if _least(separation, weight)[0] >= _ENOUGH:
+        if _least(separation, weight, _WORTH)[0] >= _ENOUGH:
             break
     document = _document(search.data.inputs, chosen, rivals, separation, weight)
     return NextRun(chosen, one, rivals, separation, document)
@@ -146,12 +146,15 @@ def _confusion(separation: Array, weight: Array) -> float:
     return float(sum(weight[a] * weight[b] * np.exp(-(separation[a, b] ** 2) / 8.0) for a, b in pairs))
 
 
-def _least(separation: Array, weight: Array) -> tuple[float, list[int]]:
-    """The least separation of the rivals that the run tells apart from one another, and which they are."""
+def _least(separation: Array, weight: Array, enough: float = _ENOUGH) -> tuple[float, list[int]]:
+    """The least separation of the rivals that the run tells apart from one another, and which they are.
+
+    Where it tells none apart, of the best pair.
+    """
     order = np.argsort(-weight, kind="stable").tolist()
     told = [order[0]]
     for k in order[1:]:
-        if all(separation[k, other] >= _TOLD_APART for other in told):
+        if all(separation[k, other] >= enough for other in told):
             told.append(k)
     if len(told) == 1:
         told.append(max(order[1:], key=lambda k: float(separation[order[0], k])))
@@ -235,17 +238,17 @@ def _document(
 ) -> dict[str, Any]:
     sigma, told = _least(separation, weight)
     names = [named(rivals[k]) for k in told]
-    left = [named(rivals[k]) for k in range(len(rivals)) if k not in told]
+    left = [named(rivals[k]) for k in range(len(rivals)) if k not in told or sigma < _ENOUGH]
     least = "" if len(names) == 2 else " or more"
     why = f"{proposal.words}: {names[0]} is then told from {', '.join(names[1:])} by {sigma:.1f} sigma{least}"
-    if sigma < _TOLD_APART:
-        why += ", which is not enough, and no run that was weighed brings more"
-    if left:
+    if sigma < _ENOUGH:
+        why += f", which is not enough ({_ENOUGH:g} would be), and no run that was weighed brings more"
+    elif left:
         why += f". {', '.join(left)}: not told from all of these"
     if any(c.unlogged for c in rivals):
         why += ". A temperature log in every run would tell what a temperature does from the rest"
     out: dict[str, Any] = {
-        "separates": names,
+        "separates": names if sigma >= _ENOUGH else [],
         "table": {"axis": proposal.axis, "profile": proposal.profile()},
         "orientation": proposal.orientation,
         "expected_sigma": round(sigma, 3),

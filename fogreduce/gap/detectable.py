@@ -23,6 +23,8 @@ from fogreduce.gap.search import LOG_GAP, _log_prior
 Array = NDArray[np.float64]
 
 SCHEMA = "fogreduce/detectable/1"
+#: What is said of effects of a temperature that is not logged (`fogreduce.gap.unlogged`).
+UNLOGGED = "without a temperature log in every run it shows as a smooth random drift, which has no amplitude"
 #: Separation below which two effects are not told apart for sure [sigma].
 TOLD_APART = 4.0
 
@@ -191,7 +193,7 @@ def groups(rows: Sequence[Row]) -> list[list[str]]:
 def _why(name: str, inputs: Sequence[Any]) -> str:
     """Why an effect does nothing in these runs, as far as that is plain."""
     if EFFECTS[name].needs_temperature and any(one.scene.temperature is None for one in inputs):
-        return "needs a temperature log in every run"
+        return UNLOGGED
     if inputs[0].facts.n_gyros == 1 and name in ("crosstalk", "channel_swap", "common_noise"):
         return "needs a second gyro"
     return "does nothing in these runs"

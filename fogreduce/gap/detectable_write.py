@@ -36,7 +36,7 @@ def in_text(found: Mapping[str, Any]) -> str:
         cells = [cell.ljust(width) for cell, width in zip(row, [*widths, 0], strict=True)]
         lines.append("  ".join(cells).rstrip())
     for name, why in found["not_shown"].items():
-        lines.append(f"{name.ljust(widths[0])}  not seen at any amplitude: {why}")
+        lines.append(f"{name.ljust(widths[0])}  no amplitude: {why}")
     lines += ["", _not_told(found)]
     lines += [f"  {'; '.join(group)}" for group in found["groups"]]
     return "\n".join(lines)

@@ -144,7 +144,7 @@ def _cause(verdict: Verdict, one: Named) -> dict[str, Any]:
             "effect": o.key[0],
             "channels": list(o.key[1]),
             "runs": list(o.key[2]),
-            **({"parameters": {_OTHER[o.key[0]]: o.key[3]}} if o.key[3] else {}),
+            **({"parameters": {_OTHER[o.key[0]]: {"value": o.key[3], "std": None}}} if o.key[3] else {}),
             "probability": round(min(p, 1.0), 6),
         }
         for o, p in one.group

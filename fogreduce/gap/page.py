@@ -220,8 +220,9 @@ def _next_run(n: Mapping[str, Any]) -> str:
     if "temperature" in n:
         steps = ", then ".join(f"{t['sensor_degC']:g} degC at {t['time_s']:g} s" for t in n["temperature"])
         rows.append(["sensor temperature", steps])
-    rows.append(["tells apart", "<br>".join(escape(name) for name in n["separates"])])
-    rows.append(["by", f"{n['expected_sigma']:.1f} sigma or more"])
+    rows.append(["tells apart", "<br>".join(escape(name) for name in n["separates"]) or "none for sure"])
+    more = " or more" if n["separates"] else " at best"
+    rows.append(["by", f"{n['expected_sigma']:.1f} sigma{more}"])
     if n.get("leaves"):
         rows.append(["leaves open", "<br>".join(escape(name) for name in n["leaves"])])
     text = "<h2>What to run next</h2>" + table(("", ""), rows)
@@ -244,6 +245,7 @@ def _verified(found: Mapping[str, Any]) -> str:
         "<p>That run was simulated, with each of these in turn as the truth, and diagnosed together with "
         "today's captures:</p>"
         + table(("if it is", "the diagnosis then says", "probability of the truth", "told apart"), rows)
+        + ("" if found["separated"] else "<p>So this run would not tell all of these apart.</p>")
     )
 
 

@@ -61,7 +61,7 @@ def verified(
             found="a run of that name",
             expected="it renamed, for --verify-next",
         )
-    told = best.document["separates"]
+    told = best.document["separates"] or best.document["leaves"]
     beside = [c for k, c in enumerate(diagnosis.verdict.state.causes) if k != best.one.index]
     truths = []
     # what a temperature without a log does cannot be simulated

@@ -29,6 +29,10 @@ def test_a_rival_of_any_size_is_as_far_as_its_direction() -> None:
 def test_what_is_not_told_apart_is_left() -> None:
     separation = np.array([[0.0, 9.0, 0.4], [9.0, 0.0, 9.0], [0.4, 9.0, 0.0]])
     assert _least(separation, np.array([0.5, 0.3, 0.2])) == (9.0, [0, 1])
+    # five sigma are no separation to promise, but worth a longer run
+    less = np.array([[0.0, 9.0, 5.0], [9.0, 0.0, 9.0], [5.0, 9.0, 0.0]])
+    assert _least(less, np.array([0.5, 0.3, 0.2])) == (9.0, [0, 1])
+    assert _least(less, np.array([0.5, 0.3, 0.2]), 3.0) == (5.0, [0, 1, 2])
 
 
 def test_a_soak_is_weighed_where_temperature_matters_and_warms_the_sensor(tmp_path) -> None:
