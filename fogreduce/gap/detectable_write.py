@@ -125,7 +125,7 @@ def _page(found: Mapping[str, Any]) -> str:
         for name, size, unit, where in _summary(found["effects"])
     ]
     lines += [
-        [escape(name), escape(EFFECTS[name].equation), "not seen", escape(why)]
+        [escape(name), escape(EFFECTS[name].equation), "none", escape(why)]
         for name, why in found["not_shown"].items()
     ]
     told = "".join(f"<li>{escape('; '.join(group))}</li>" for group in found["groups"])
