@@ -147,8 +147,8 @@ def _diagnose(
     print(f"{out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}", flush=True)
     tried = (diagnosis.document["next_run"] or {}).get("verified")
     if tried is not None:
-        told = "tells its rivals apart" if tried["separated"] else "does not tell its rivals apart"
-        print(f"  the next run, simulated with each rival as the truth, {told}", flush=True)
+        says = "tells its rivals apart" if tried["separated"] else "does not tell its rivals apart"
+        print(f"  the next run, simulated with each rival as the truth, {says}", flush=True)
 
 
 def _detectable(
