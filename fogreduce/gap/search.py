@@ -44,6 +44,7 @@ _FAMILIES = 12.0
 SHAPE_DOUBT = 0.08
 #: The same where a temperature drives it: a coil lags behind its sensor.
 WARM_DOUBT = 0.15
+_AS_WELL = np.log(10.0)  # ln of odds against something unknown that does just what an effect does
 _IMPOSSIBLE = 50.0  # ln of odds against what cannot be
 _GROSS = 150.0  # signal-to-noise ratio from which a cause goes into the chain before others are looked for
 _BENT = 1.0  # what a cause may change of a spectrum's pieces, in noise of one sample, and leave it as it is
@@ -261,6 +262,7 @@ class Search:
             for fit in self._with_delay(bundles.fits(state.field), state):
                 if not (fit.candidate.known and fit.candidate.key in taken):
                     out.append(self._slow_option(fit, state))
+        out = _not_for_being_simpler(out)
         findings = [
             *state.ground.fast.findings(state.causes),
             *state.ground.processes.findings(state.field, self.allowed),
@@ -427,6 +429,30 @@ class Search:
         """The ground with the processes of other causes in its noise, and the same in its chain."""
         base = [c for c in causes if c.process or c.key in ground.base]
         return self._ground(base) if base else self.ground
+
+
+def _not_for_being_simpler(options: list[Option]) -> list[Option]:
+    """The unknown must fit better than an effect with a direction in it: fewer numbers are no evidence.
+
+    Where all runs turn about one axis, a magnetic field is a wave of the angle; and the larger it is, the
+    more would its third number cost it.
+    """
+    named: dict[tuple[str, ...], list[Option]] = {}
+    for o in options:
+        if o.known and o.fit is not None and o.fit.candidate.columns.shape[2] > 1:
+            named.setdefault(o.source.channels, []).append(o)
+    out = []
+    for o in options:
+        if not o.known and o.fit is not None:
+            numbers = o.fit.candidate.columns.shape[2]
+            for rival in named.get(o.source.channels, ()):
+                assert rival.fit is not None
+                if rival.fit.candidate.columns.shape[2] >= numbers:
+                    most = rival.raw + 0.5 * max(o.q - rival.q, 0.0) - _AS_WELL
+                    less = max(o.raw - most, 0.0)
+                    o = replace(o, log_b=o.log_b - less, raw=o.raw - less)
+        out.append(o)
+    return out
 
 
 def _beyond(fit: Fit) -> bool:
