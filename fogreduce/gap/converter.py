@@ -12,7 +12,7 @@ has the variance ``N (kappa^2 + 1 / sigma^2)`` in its two parts together when no
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ _WAVES = np.arange(0.45, 3.6, 0.05)  # kappa sigma
 _FINE = 6000
 _STRETCH = 200  # neighbouring kappa whose waves are made from one
 _NOT_NOISE = 1.1
+_WANDERS = 4.0  # standard deviations of a mean square
 #: In a run longer than this [s] a gyro drifts in more ways than `slow` has; within so many seconds, hardly.
 _LONG, _DRIFTS = 600, 20.0
 _APART = 4.0  # waves farther apart than this, times sigma, are none of each other's in noise
@@ -42,15 +43,19 @@ class Codes:
     Attributes
     ----------
     volts, number, noise : (B,) arrays
-        A cell's middle [V], its samples, the sum of their departures e from the mean of the second [V].
+        A cell's middle [V], its samples, the sum of their departures e [V]: where the gyro drifts, from the
+        line of their second.
     sigma : float
         Standard deviation of e [V].
+    whole : (B,) array
+        Sum of the departures with what is slow of them [V]: an error found is told more of by that.
     """
 
     volts: Array
     number: Array
     noise: Array
     sigma: float
+    whole: Array
 
     def score(self, kappa: Array) -> NDArray[np.complex128]:
         """S at each kappa [1/V], in standard deviations of one of its two parts."""
@@ -81,9 +86,8 @@ def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | N
     volts : (N,) array
         As they arrived [V].
     departure : (N,) array
-        From what was predicted [V]; NaN where a sample does not count. Where it is not noise alone, each
-        second's
-        straight line is taken off.
+        From what was predicted [V]; NaN where a sample does not count. Where it is not white noise alone,
+        each second's straight line is taken off.
     second : int
         Samples of a second or so.
     slow : (seconds, k) array
@@ -117,7 +121,8 @@ def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | N
         return None
     if float(np.std(e[usable])) > _NOT_NOISE * sigma:
         e = fast
-    x, e = v[usable], e[usable]
+    swept = fast if _wanders(e, usable, sigma) else e
+    x, e, swept = v[usable], e[usable], swept[usable]
     cell = np.floor((x - x.min()) / sigma * _BINS).astype(np.int64)
     if cell.max() > 50 * _MOST_BINS:
         return None
@@ -126,8 +131,16 @@ def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | N
     if some.size > _MOST_BINS:
         return None
     middle = np.bincount(cell, x)[some] / count[some]
-    sums = np.bincount(cell, e).astype(np.float64)
-    return Codes(middle, count[some].astype(np.float64), sums[some], float(np.std(e)))
+    noise, slowly = (np.bincount(cell, one)[some].astype(np.float64) for one in (swept, e))
+    return Codes(middle, count[some].astype(np.float64), noise, float(np.std(swept)), slowly)
+
+
+def _wanders(e: Array, usable: NDArray[np.bool_], sigma: float) -> bool:
+    """Whether the seconds' means depart from zero by more than white noise of sigma makes them."""
+    count = usable.sum(axis=1)
+    means = np.where(usable, e, 0.0).sum(axis=1)[count > 0] / np.sqrt(count[count > 0])
+    spread = float(np.mean(means**2)) / sigma**2
+    return spread > 1.0 + _WANDERS * np.sqrt(2.0 / len(means))
 
 
 def converter_findings(
@@ -171,6 +184,7 @@ def converter_findings(
 
 def _refined(here: Sequence[Codes], kappa: float, step: float) -> dict[str, tuple[float, float]]:
     """Amplitude and period with the phase that the contract gives the error, the same in all runs."""
+    here = [replace(c, noise=c.whole) for c in here]
     widest = max(float(np.ptp(c.volts)) for c in here)
     fine = kappa + np.linspace(-step, step, _FINE)
     size = np.zeros(_FINE)
@@ -179,10 +193,13 @@ def _refined(here: Sequence[Codes], kappa: float, step: float) -> dict[str, tupl
         scores = c.scores(float(fine[0]), float(fine[1] - fine[0]), _FINE)
         size += scores.imag * np.sqrt(c.information(fine) / 2.0)
         information += c.information(fine) / 2.0
-    k = int(np.argmax(np.abs(size) / np.sqrt(information)))
+    gain = size**2 / information
+    k = int(np.argmax(gain))
     volts, error = float(size[k] / information[k]), float(1.0 / np.sqrt(information[k]))
     snr = max(abs(volts) / error, 1.0)
-    resolved = max(1.0 / (widest * snr), float(fine[1] - fine[0]))
+    # neighbouring waves may fit nearly as well: within two standard deviations all of them count
+    near = float(np.max(np.abs(fine[gain > gain[k] - 4.0] - fine[k])))
+    resolved = max(1.0 / (widest * snr), 0.5 * near, float(fine[1] - fine[0]))
     period = 2.0 * np.pi / float(fine[k])
     # what is slow of the error went with the slow part of the residual: its size is known to a half or so
     error = float(np.hypot(error, 0.5 * volts))
