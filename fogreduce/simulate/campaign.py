@@ -12,7 +12,7 @@ from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.simulate.capture import Blocks, write_capture
 from fogreduce.simulate.forward import SimulatedBlock
 from fogreduce.simulate.from_curves import blocks_from_curves
-from fogreduce.simulate.own import Marks, mark_of, own_captures
+from fogreduce.simulate.own import Marks, alone_in, listed_of_others, mark_of, own_captures
 from fogreduce.simulate.plan import Plan
 from fogreduce.simulate.publish import published
 
@@ -53,8 +53,11 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None) -> 
             done += facts.n_expected
         made = [mark_of(run_id, folder / place) for run_id, place in places.items()]
         marks += [mark for mark in made if mark not in marks]
-        # Before the captures take their places, so that none stands there that is not listed.
-        write_text(injected_path(out), _injected(plan, marks))
+        # Before the captures take their places, so that none stands there that is not listed; what another
+        # process, which simulates other runs, has listed meanwhile stays.
+        with alone_in(injected_path(out).parent):
+            others = listed_of_others(places, injected_path(out))
+            write_text(injected_path(out), _injected(plan, [*others, *marks]))
 
 
 def injected_path(out: Path) -> Path:

@@ -6,8 +6,11 @@ measured one, and as quick for a capture of a day as for one of a minute.
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
-from collections.abc import Mapping
+import os
+from collections.abc import Container, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from fogreduce.errors import BadInput, Fault
@@ -26,7 +29,7 @@ def mark_of(run_id: str, capture: Path) -> dict[str, object]:
 
 
 def own_captures(captures: Mapping[str, Path], record: Path) -> Marks:
-    """The list of an earlier simulation, as far as it holds once `captures` are written over.
+    """What an earlier simulation listed of captures that stand where these are to be written.
 
     Parameters
     ----------
@@ -41,7 +44,6 @@ def own_captures(captures: Mapping[str, Path], record: Path) -> Marks:
         A capture stands there that no simulation wrote.
     """
     listed = _listed(record)
-    others = [entry for entry in listed if entry.get("run") not in captures]
     there = {run_id: path for run_id, path in captures.items() if path.exists()}
     marks = {run_id: mark_of(run_id, path) for run_id, path in there.items()}
     faults = [
@@ -56,7 +58,24 @@ def own_captures(captures: Mapping[str, Path], record: Path) -> Marks:
     ]
     if faults:
         raise BadInput(faults[0])
-    return [*others, *marks.values()]
+    return list(marks.values())
+
+
+def listed_of_others(runs: Container[str], record: Path) -> Marks:
+    """What ``<out>.injected.yaml`` lists of runs other than these."""
+    return [entry for entry in _listed(record) if entry.get("run") not in runs]
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """No other process that asks for the same is at work on the folder meanwhile."""
+    folder.mkdir(parents=True, exist_ok=True)
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _listed(record: Path) -> Marks:

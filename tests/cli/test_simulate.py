@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from fogreduce.cli.main import main
 from fogreduce.datasets.readers.fogcap import FogcapReader, read_header
 from fogreduce.metadata.folder import list_runs, load_campaign, load_run
 from fogreduce.metadata.yaml12 import load_yaml
+from fogreduce.simulate.capture import write_capture
 
 ROOT = Path(__file__).parents[2]
 CALIBRATIONS = str(ROOT / "calibrations")
@@ -311,6 +313,22 @@ def test_measured_captures_are_never_overwritten(
     assert simulate(campaign, out) == 2
     assert captures(out) == before
     assert not (tmp_path / "out.injected.yaml").exists()
+
+
+def test_runs_simulated_at_once_are_all_listed(
+    campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One run's simulation begins and ends while another's goes on, as in a workflow."""
+    out, write = tmp_path / "out", write_capture
+
+    def meanwhile(*arguments: Any) -> None:
+        monkeypatch.setattr("fogreduce.simulate.campaign.write_capture", write)
+        assert simulate(campaign, out, "--only-runs", "8-still") == 0
+        write(*arguments)
+
+    monkeypatch.setattr("fogreduce.simulate.campaign.write_capture", meanwhile)
+    assert simulate(campaign, out, "--only-runs", "1-x-plus") == 0
+    assert simulate(campaign, out, "--seed", "9", "--only-runs", "1-x-plus,8-still") == 0
 
 
 def test_a_folder_in_the_campaign_is_refused(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:

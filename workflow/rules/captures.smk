@@ -18,5 +18,6 @@ rule make_capture:
         calibrations=CONFIG.calibrations_dir,
         out=f"{MADE}/{{campaign}}",
     shell:
+        "rm -rf {output:q} && "
         "fogreduce simulate {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
         " --only-runs {wildcards.run} > {log:q} 2>&1"
