@@ -399,7 +399,9 @@ The bundled campaign asks for a diagnosis of the reconstruction (`results/publis
 It knows nothing of this page and judges by the bundled record's uncertainties, which are the simulated
 bench's and a hundred times smaller than what is found here. More is
 wrong at once than the three causes that it looks for, on all gyros, in one run. So it says where the gap
-lies, names no cause, and calls it unexplained; with one run it could hardly say more.
+lies, names a magnetic bias for the waves of gyros 1 and 4, as the catalogue has no other effect of one gyro
+that makes such waves, and calls the gap partly explained: something unknown is certain beside them. With one
+run it could hardly say more.
 """
 
 
