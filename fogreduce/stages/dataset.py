@@ -16,6 +16,7 @@ from fogreduce.datasets.templates import variables_of
 from fogreduce.errors import BadInput
 from fogreduce.stages.setup import Setup
 
+_LARGEST = 1e100
 _EXPECTED = "one, as its stage writes it"
 #: What h5py raises where a file is damaged or of another making.
 _DAMAGED = (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError)
@@ -87,7 +88,13 @@ class StageDataset:
             for name in names:
                 with self._reading(name):
                     values[name] = self._variables[name][..., part]
+                self._check_size(name, values[name])
             yield start, values
+
+    def _check_size(self, name: str, values: NDArray[Any]) -> None:
+        """No number of a size that no stage writes: squares of it would be infinite."""
+        if values.dtype.kind == "f" and np.fmax.reduce(np.abs(values), axis=None, initial=0.0) > _LARGEST:
+            raise BadInput.at(self.path, name, found=f"a number beyond {_LARGEST:g}", expected=_EXPECTED)
 
     def _variable(self, name: str) -> h5py.Dataset:
         """A variable, of the kind and shape that its stage writes."""

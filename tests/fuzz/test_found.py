@@ -109,6 +109,18 @@ def test_a_byte_lost_within_a_stamp(fuzz_lab):
     assert (outcome.status, outcome.err) == (0, "")
 
 
+def test_a_rate_beyond_all_numbers(fuzz_lab, capsys):
+    """A bit of an exponent flipped: its square is infinite."""
+    path = fuzz_lab.reduced / "datasets" / "remove_earth.nc"
+    held = io.BytesIO(fuzz_lab.good[path])
+    with h5py.File(held, "r+") as file:
+        file["axis_rate"][0, 5] = 1e300
+    path.write_bytes(held.getvalue())
+    assert main(fuzz_lab.stage("fit", run=True)) == 2
+    assert capsys.readouterr().err.startswith(f"{path}: axis_rate: found a number beyond 1e+100")
+    fuzz_lab.mend(path)
+
+
 def test_an_error_holds_nothing_that_a_terminal_obeys():
     """Names and bytes come from anywhere: a line's end, an escape sequence, half of a surrogate pair."""
     said = str(Fault("a\udc80", "b\n", "\x1b[2J\x00é", "\u2028x"))
