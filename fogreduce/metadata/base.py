@@ -56,7 +56,8 @@ FileName = Annotated[
     str, AfterValidator(_plain_file_name), Field(json_schema_extra={"pattern": r"^[^/\\\x00-\x1f]+$"})
 ]
 Sign = Annotated[int, BeforeValidator(_sign), Field(json_schema_extra={"enum": [1, -1]})]
-NotNegative = Annotated[float, Field(ge=0)]
+#: The bound is there so that squares stay finite; no quantity of ours comes near it.
+NotNegative = Annotated[float, Field(ge=0, le=1e9)]
 
 #: Lists become tuples, so that a frozen model is frozen all the way down.
 Reals = Annotated[tuple[float, ...], Strict(False), Field(min_length=1)]

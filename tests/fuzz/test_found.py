@@ -121,6 +121,19 @@ def test_a_rate_beyond_all_numbers(fuzz_lab, capsys):
     fuzz_lab.mend(path)
 
 
+def test_an_uncertainty_beyond_all_measure(fuzz_lab, capsys):
+    """Its square would be infinite."""
+    record = fuzz_lab.record
+    good = fuzz_lab.good[record]
+    huge = good.replace(b"0.0001", b"1e+308")
+    assert huge != good
+    record.write_bytes(huge)
+    assert main(fuzz_lab.reduce()) == 2
+    said = capsys.readouterr().err
+    fuzz_lab.mend(record)
+    assert "uncertainty.axis_rad[0]: found 1e+308; expected a number, at most 1e+09" in said
+
+
 def test_an_error_holds_nothing_that_a_terminal_obeys():
     """Names and bytes come from anywhere: a line's end, an escape sequence, half of a surrogate pair."""
     said = str(Fault("a\udc80", "b\n", "\x1b[2J\x00é", "\u2028x"))
