@@ -40,7 +40,7 @@ def write_parameters(facts: RunFacts, path: Path) -> Path:
     earth = np.column_stack((facts.earth.constant, facts.earth.cosine, facts.earth.sine))
     parts = (facts.polarity, facts.scale_factor, facts.bias, facts.projection, earth)
     numbers = [
-        facts.volts_per_count,
+        facts.least_count,
         facts.profile.rate_deg_s[0],
         *np.concatenate([part.ravel() for part in parts]),
     ]

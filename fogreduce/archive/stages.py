@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fogreduce.physics.raw_quantity import UNITS_IN_USE
+
 
 @dataclass(frozen=True)
 class StageFacts:
@@ -26,20 +28,23 @@ class StageFacts:
     calibration: tuple[str, ...] = ()
 
 
+#: Whatever unit the record is in.
+_SCALE_FACTORS = tuple(unit.scale_factor_key for unit in UNITS_IN_USE.values())
+
 STAGES = {
     "ingest": StageFacts(
         ("inputs",),
         ("datasets/ingest.nc", "reports/ingest.json", "tables/quality.csv", "tables/encoder.csv"),
         ("block_records", "outliers"),
         ("capture", "table"),
-        ("scale_factor_V_per_deg_s", "noise"),
+        (*_SCALE_FACTORS, "noise"),
     ),
     "calibrate": StageFacts(
         ("datasets/ingest.nc",),
         ("datasets/calibrate.nc",),
         ("block_records",),
         ("capture",),
-        ("scale_factor_V_per_deg_s", "bias_V"),
+        (*_SCALE_FACTORS, *(unit.bias_key for unit in UNITS_IN_USE.values())),
     ),
     "project": StageFacts(
         ("datasets/calibrate.nc",), ("datasets/project.nc",), ("block_records",), (), ("H", "axes")

@@ -83,7 +83,7 @@ def _usable(setup: Setup, channel: str) -> tuple[Any, Any]:
     import numpy as np
 
     from fogreduce.datasets.flags import UNUSABLE_AXES, UNUSABLE_RECORD
-    from fogreduce.physics.quantization import volts_from_counts
+    from fogreduce.physics.quantization import raw_from_counts
     from fogreduce.stages.dataset import StageDataset
     from fogreduce.stages.setup import seconds
 
@@ -100,7 +100,7 @@ def _usable(setup: Setup, channel: str) -> tuple[Any, Any]:
                 usable &= part["gyro_flag"][row] == 0
             kept = part[variable][row : row + 1, usable]
             times.append(seconds(part["time"][usable]))
-            values.append((volts_from_counts(kept, setup.facts.volts_per_count) if packed else kept)[0])
+            values.append((raw_from_counts(kept, setup.facts.least_count) if packed else kept)[0])
     return np.concatenate(times), np.concatenate(values)
 
 

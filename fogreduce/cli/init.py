@@ -89,7 +89,7 @@ def known_of(capture: Path) -> Known:
         facts.unit,
         start,
         facts.sample_rate_hz,
-        facts.volts_per_count,
+        facts.least_count,
         duration_s,
     )
 

@@ -23,16 +23,16 @@ class RawBlock:
     pulse : (N,) int64
         Number of the stimulus pulse.
     counts : (n, N) int32 or None
-        ADC counts; -2147483648 = no answer. None for a format that holds volts.
-    volts : (n, N) float64 or None
-        Raw volts [V], NaN = no answer. None for a format that holds counts.
+        Counts; -2147483648 = no answer. None for a format that holds readings in the capture's unit.
+    values : (n, N) float64 or None
+        Readings in the capture's unit, NaN = no answer. None for a format that holds counts.
     """
 
     start: int
     time_us: NDArray[np.int64]
     pulse: NDArray[np.int64]
     counts: NDArray[np.int32] | None
-    volts: Floats | None
+    values: Floats | None
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,9 @@ class Block:
         `RecordFlag` of each record.
     gyro_flag : (n, N) uint8
         `GyroFlag` of each sample.
-    volts : (n, N) float64
-        Raw volts [V]; NaN where a gyro did not answer. A spurious value stands as it is, flagged.
+    raw : (n, N) float64
+        Readings in the raw unit in use [V, count, deg/s, deg/h or rad/s]; NaN where a gyro did not answer.
+        A spurious value stands as it is, flagged.
     """
 
     start: int
@@ -57,4 +58,4 @@ class Block:
     flag: NDArray[np.uint8]
     gyro_flag: NDArray[np.uint8]
     counts: NDArray[np.int32] | None
-    volts: Floats
+    raw: Floats

@@ -63,7 +63,7 @@ def ingest_variables(facts: RunFacts, *, has_counts: bool) -> list[Variable]:
     described = {"long_name": "raw volts of each gyro", "units": "V"}
     if has_counts:
         packing = {
-            "scale_factor": np.float64(facts.volts_per_count),
+            "scale_factor": np.float64(facts.least_count),
             "_FillValue": np.int32(MISSING_COUNT),
         }
         volts = Variable("volts", ("gyro", "time"), "<i4", {**described, **packing})

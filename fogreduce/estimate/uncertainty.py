@@ -21,6 +21,7 @@ from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates, gyro_rates_from_axis_rates
 from fogreduce.physics.earth_rate import add_earth_rate
 from fogreduce.physics.frames import DIRECTIONS_ENU, across, rotation
+from fogreduce.physics.raw_quantity import unit_in_use
 from fogreduce.physics.table_motion import Profile, table_rates
 
 if TYPE_CHECKING:
@@ -39,13 +40,14 @@ class StatedErrors:
 
     Attributes
     ----------
-    scale_factor_rel, bias_V, axis_rad, turn_on_bias_deg_h : (n,) arrays
-        Of each gyro; `axis_rad` in each of two directions at right angles to its axis.
+    scale_factor_rel, bias, axis_rad, turn_on_bias_deg_h : (n,) arrays
+        Of each gyro; `bias` in the unit of the raw readings, `axis_rad` in each of two directions at right
+        angles to its axis.
     azimuth_deg, latitude_deg, table_rate_ppm : float
     """
 
     scale_factor_rel: Array
-    bias_V: Array
+    bias: Array
     axis_rad: Array
     turn_on_bias_deg_h: Array
     azimuth_deg: float
@@ -60,9 +62,10 @@ class StatedErrors:
     @classmethod
     def of_plain(cls, run: Mapping[str, Any], stated: Mapping[str, Any]) -> StatedErrors:
         """From run.yaml and a record's stated uncertainties as plain, validated data, defaults filled in."""
+        raw_unit = unit_in_use(run["capture"].get("raw_unit", "V"))
         return cls(
             np.array(stated["scale_factor_rel"], float),
-            np.array(stated["bias_V"], float),
+            np.array(stated[raw_unit.bias_key], float),
             np.array(stated["axis_rad"], float),
             np.array(stated["turn_on_bias_deg_h"], float),
             float(run["azimuth_uncertainty_deg"]),
@@ -99,7 +102,7 @@ def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
         directions = across(facts.axes[i])
         alone = [
             stated.scale_factor_rel[i] * readings[i],
-            stated.bias_V[i] / facts.scale_factor[i] * one,
+            stated.bias[i] / facts.scale_factor[i] * one,
             *(stated.axis_rad[i] * (direction @ axis_rates) for direction in directions),
             stated.turn_on_bias_deg_h[i] / SECONDS_PER_HOUR * one,
         ]

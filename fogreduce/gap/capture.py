@@ -140,7 +140,7 @@ def read_samples(one: RunInput, capture: Path | None = None, actions: Sequence[A
         take = slice(None) if wanted.all() else wanted
         pulse = block.pulse[take]
         time_s = pulse / facts.sample_rate_hz
-        measured = one.scene.rates(block.volts[:, take].copy())
+        measured = one.scene.rates(block.raw[:, take].copy())
         predicted = one.scene.decoded(time_s, actions)
         values = measured - predicted
         flag = block.gyro_flag[:, take]
@@ -153,7 +153,7 @@ def read_samples(one: RunInput, capture: Path | None = None, actions: Sequence[A
         if block.counts is not None:
             counts[:, at] = block.counts[:, take]
         else:
-            whole = np.rint(np.nan_to_num(block.volts[:, take]) / facts.volts_per_count)
+            whole = np.rint(np.nan_to_num(block.raw[:, take]) / facts.least_count)
             counts[:, at] = np.where(flag & GyroFlag.MISSING, MISSING_COUNT, whole)
         spurious[:, at] = (flag & GyroFlag.SPURIOUS) != 0
         missing[:, at] = (flag & GyroFlag.MISSING) != 0

@@ -68,7 +68,7 @@ class Data:
         """White noise of a sample in counts, as the record states it, (n,)."""
         facts = self.inputs[0].facts
         sigma = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in self.stated_white])
-        return sigma * np.abs(facts.scale_factor) / facts.volts_per_count
+        return sigma * np.abs(facts.scale_factor) / facts.least_count
 
     def with_parts(self, keep: Sequence[NDArray[np.bool_]]) -> Data:
         """The same with only some blocks of each run counted; `keep`: a mask (blocks,) a run."""
@@ -150,7 +150,7 @@ def _codes(one: RunInput, samples: Samples, run: FullRate) -> list[Codes | None]
             *(f(m * alpha) for m in (1, 2) for f in (np.cos, np.sin)),
         ]
     )
-    volts = samples.counts * facts.volts_per_count
+    volts = samples.counts * facts.least_count
     departure = samples.residual / SECONDS_PER_HOUR * (facts.polarity * facts.scale_factor)[:, None]
     return [
         None if run.at_rest[i] else codes(volts[i], departure[i], second, slow) for i in range(len(volts))
@@ -164,7 +164,7 @@ def _rounded_down(one: RunInput, bits: NDArray[np.int64]) -> Array:
         if m:
             codes = np.arange(1 << m, dtype=np.int32)
             lost = float(np.mean(EFFECTS["lost_bits"].forward(codes, {"bits": m}, None) - codes))  # type: ignore[arg-type]
-            volts = lost * facts.volts_per_count * facts.polarity[i]
+            volts = lost * facts.least_count * facts.polarity[i]
             out[i] = volts / facts.scale_factor[i] * SECONDS_PER_HOUR
     return out
 
@@ -178,6 +178,6 @@ def _rails(
         for i in np.flatnonzero(run.at_rest).tolist():
             good = np.isfinite(samples.residual[i])
             if good.any():
-                volts = float(np.median(np.abs(samples.counts[i, good]))) * one.facts.volts_per_count
+                volts = float(np.median(np.abs(samples.counts[i, good]))) * one.facts.least_count
                 rails[i] = max(rails.get(i, 0.0), volts)
     return rails

@@ -202,7 +202,7 @@ def _links(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     trials = float(sum(one.facts.n_expected for one in inputs))
     rate = facts.sample_rate_hz
     white = np.array([float(white_sigma(s, rate)) for s in _stated(inputs)])
-    counts = white * np.abs(facts.scale_factor) / facts.volts_per_count
+    counts = white * np.abs(facts.scale_factor) / facts.least_count
     for i in range(n):
         # two neighbours of white noise are equal by chance
         equal = min(1.0 / (2.0 * max(float(counts[i]), 0.3) * np.sqrt(np.pi)), 0.5)

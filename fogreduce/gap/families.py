@@ -21,7 +21,7 @@ from fogreduce.gap.families_table import of_table
 from fogreduce.gap.family import HARMONICS, diagonal, family, lessened, modes, waves_of_angle
 from fogreduce.gap.noise_model import Whitener
 from fogreduce.gap.waveforms import after_effects, memories, recoveries, sawteeth, steps
-from fogreduce.physics.scale_factor import volts_from_rate
+from fogreduce.physics.scale_factor import raw_from_rate
 
 Array = NDArray[np.float64]
 
@@ -191,7 +191,7 @@ def _exchanges(
 def _volts(one: RunInput, readings: Array) -> Array:
     """Raw volts of decoded readings (n, blocks) [deg/h]."""
     facts = one.facts
-    return volts_from_rate(readings / SECONDS_PER_HOUR, facts.scale_factor, facts.bias, facts.polarity)
+    return raw_from_rate(readings / SECONDS_PER_HOUR, facts.scale_factor, facts.bias, facts.polarity)
 
 
 def _bumps(reading: Sequence[Array]) -> list[Array]:

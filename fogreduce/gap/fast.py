@@ -69,7 +69,7 @@ class Fast:
 
     def _step_volts(self) -> Array:
         """Of each gyro's converter, the bits that are always 0 left out, (n,)."""
-        return self.facts.volts_per_count * 2.0 ** self.data.bits.astype(float)
+        return self.facts.least_count * 2.0 ** self.data.bits.astype(float)
 
     def _rounding(self) -> Array:
         """Noise with the converter's rounding over noise without, (n,): levels are over what both make."""

@@ -231,7 +231,7 @@ def stated_actions(inputs: Sequence[RunInput]) -> list[tuple[Action, float]]:
     for i in range(n):
         gyro = gyro_name(i)
         add("scale_factor_error", gyro, every, stated.scale_factor_rel[i] * 1e6, ppm=1.0)
-        bias = stated.bias_V[i] / abs(record.scale_factor_V_per_deg_s[i]) * SECONDS_PER_HOUR
+        bias = stated.bias[i] / abs(record.scale_factor[i]) * SECONDS_PER_HOUR
         add("bias_offset", gyro, every, bias, deg_h=1.0)
         for direction in across(facts.axes[i]):
             tilt = tuple((0.1 * direction).tolist())

@@ -22,7 +22,7 @@ from fogreduce.effects.motion import Motion
 from fogreduce.effects.selection import Action
 from fogreduce.gap.blocks import Blocks
 from fogreduce.metadata.facts import RunFacts
-from fogreduce.physics.scale_factor import rate_from_volts
+from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.simulate.forward import ForwardRun, Turning
 from fogreduce.simulate.streams import stream
 
@@ -89,7 +89,7 @@ class Scene:
     def rates(self, volts: Array) -> Array:
         """Volts (n, N) decoded by the stated calibration [deg/h]."""
         facts = self.facts
-        return rate_from_volts(volts, facts.scale_factor, facts.bias, facts.polarity) * SECONDS_PER_HOUR
+        return rate_from_raw(volts, facts.scale_factor, facts.bias, facts.polarity) * SECONDS_PER_HOUR
 
     def _of_samples(self, actions: Sequence[Action]) -> Array:
         """Block means over all samples: for a filter, whose memory needs every one."""

@@ -247,7 +247,7 @@ class Search:
         merged = [next(fitted) if c.slow else c for c in causes]
         free = Field.of(g.metric.beside(model.slopes), g.y - model.change)
         data = self.data
-        volts = data.noise_counts() * data.inputs[0].facts.volts_per_count
+        volts = data.noise_counts() * data.inputs[0].facts.least_count
         codes = g.whiten(converter_means(data.inputs, causes, volts, g.whiten.rows))
         shapes = np.column_stack([model.shapes, codes])
         return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, free.gain(shapes))

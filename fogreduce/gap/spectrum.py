@@ -110,7 +110,7 @@ def levels(
         return None
     frequency, n = usable[0].frequency, facts.n_gyros
     white = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in stated]) * SECONDS_PER_HOUR
-    quantum = facts.volts_per_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
+    quantum = facts.least_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
     # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
     spectral = frequency * facts.sample_rate_hz
     drifting = _drifting(spectral, flicker[:, None], walk[:, None])

@@ -1,18 +1,25 @@
-"""A calibration record (schema fogreduce/calibration/1): immutable, chosen by id and validity."""
+"""A calibration record (schema fogreduce/calibration/1): immutable, chosen by id and validity.
+
+Scale factors and biases stand in the unit of the raw readings, which their keys name: `bias_V`, `bias_deg_s`.
+In the models they are `scale_factor` and `bias`; `record_in` makes the model of the records in one unit.
+"""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Literal, Self
+from functools import cache
+from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict, create_model, model_validator
 
 from fogreduce.metadata.base import Model, Name, NotNegatives, Reals, Triple
 from fogreduce.metadata.faults import contradictions
 from fogreduce.metadata.instant import Instant, instant_text
+from fogreduce.physics.raw_quantity import UNITS_IN_USE, RawUnit, RawUnitName
 
 
 @dataclass(frozen=True)
@@ -48,7 +55,7 @@ class Uncertainty(Model):
     scale_factor_rel: NotNegatives | None = Field(
         default=None, description="of the scale factors, relative (1 = 100 %)"
     )
-    bias_V: NotNegatives | None = Field(default=None, description="of the biases [V]")
+    bias: NotNegatives | None = Field(default=None, description="of the biases [raw unit in use]")
     axis_rad: NotNegatives | None = Field(
         default=None,
         description="of each gyro axis' pointing, in each of two directions at right angles to it [rad]",
@@ -78,7 +85,7 @@ class StatedUncertainty(Model):
     """`Uncertainty` with the project's defaults where the record is silent."""
 
     scale_factor_rel: NotNegatives
-    bias_V: NotNegatives
+    bias: NotNegatives
     axis_rad: NotNegatives
     turn_on_bias_deg_h: NotNegatives
 
@@ -92,7 +99,9 @@ class StatedNoise(Model):
 
 
 class CalibrationRecord(Model):
-    """One calibration of one unit of n >= 1 gyros."""
+    """One calibration of one unit of n >= 1 gyros; its models proper are those of `record_in`."""
+
+    raw_unit: ClassVar[RawUnit]  #: Of the raw readings in use, which the record's keys name.
 
     schema_id: Literal["fogreduce/calibration/1"] = Field(alias="schema", description="format of this file")
     unit: Name = Field(description="the calibrated unit, equal to the folder's name")
@@ -107,17 +116,24 @@ class CalibrationRecord(Model):
     axes: Annotated[tuple[Triple, ...], Strict(False)] | None = Field(
         default=None, description="n x 3 unit vectors in the unit frame, in place of H; for one or two gyros"
     )
-    scale_factor_V_per_deg_s: Reals = Field(description="C, per gyro [V/(deg/s)], not zero")
-    bias_V: Reals = Field(description="B, per gyro [V]")
+    scale_factor: Reals = Field(description="C, per gyro [raw unit in use/(deg/s)], not zero")
+    bias: Reals = Field(description="B, per gyro [raw unit in use]")
     uncertainty: Uncertainty = Field(default=Uncertainty(), description="standard deviations, per gyro")
     noise: Noise | None = Field(
         default=None, description="what the unit is known to do when nothing is wrong, per gyro"
     )
 
+    @classmethod
+    def from_data(cls, data: object, file: str | os.PathLike[str]) -> CalibrationRecord:
+        """Validate plain data read from `file`, in the unit that its keys name; BadInput with every fault."""
+        if cls is not CalibrationRecord:
+            return super().from_data(data, file)
+        return record_in(_unit_named_by(data)).from_data(data, file)
+
     @property
     def n(self) -> int:
         """Number of gyros."""
-        return len(self.scale_factor_V_per_deg_s)
+        return len(self.scale_factor)
 
     @property
     def record_id(self) -> str:
@@ -126,14 +142,13 @@ class CalibrationRecord(Model):
 
     @property
     def stated_uncertainty(self) -> StatedUncertainty:
-        """Standard deviations, defaults filled in; bias_V's default is a rate, carried through C."""
+        """Standard deviations, defaults filled in; the bias's default is a rate, carried through C."""
         defaults = {key: (default.value,) * self.n for key, default in DEFAULT_UNCERTAINTY.items()}
         rates = defaults.pop("bias_deg_h")
-        defaults["bias_V"] = tuple(
-            rate / 3600.0 * abs(scale)
-            for rate, scale in zip(rates, self.scale_factor_V_per_deg_s, strict=True)
+        defaults[self.raw_unit.bias_key] = tuple(
+            rate / 3600.0 * abs(scale) for rate, scale in zip(rates, self.scale_factor, strict=True)
         )
-        return StatedUncertainty(**(defaults | _stated(self.uncertainty)))
+        return _stated_in(self.raw_unit)(**(defaults | _stated(self.uncertainty)))
 
     @property
     def stated_noise(self) -> StatedNoise:
@@ -154,7 +169,8 @@ class CalibrationRecord(Model):
     def _contradictions(self) -> list[tuple[str, str, str]]:
         """What does not fit together: (key, found, expected)."""
         n, wrong = self.n, []
-        lists = {"bias_V": self.bias_V}
+        scale_factor_key = self.raw_unit.scale_factor_key
+        lists = {self.raw_unit.bias_key: self.bias}
         for block in ("uncertainty", "noise"):
             for key, values in _stated(getattr(self, block)).items():
                 lists[f"{block}.{key}"] = values
@@ -162,10 +178,10 @@ class CalibrationRecord(Model):
             lists[f"H[{row}]"] = values
         for key, values in lists.items():
             if len(values) != n:
-                wrong.append((key, f"{len(values)} values", f"{n}, as many as scale_factor_V_per_deg_s"))
-        for k, scale in enumerate(self.scale_factor_V_per_deg_s):
+                wrong.append((key, f"{len(values)} values", f"{n}, as many as {scale_factor_key}"))
+        for k, scale in enumerate(self.scale_factor):
             if scale == 0.0:
-                wrong.append((f"scale_factor_V_per_deg_s[{k}]", "0", "a scale factor other than zero"))
+                wrong.append((f"{scale_factor_key}[{k}]", "0", "a scale factor other than zero"))
         if self.valid_until is not None and self.valid_until < self.valid_from:
             later = f"an instant after valid_from ({instant_text(self.valid_from)})"
             wrong.append(("valid_until", instant_text(self.valid_until), later))
@@ -191,13 +207,50 @@ class CalibrationRecord(Model):
             wrong.append(("axes", "nothing", f"{self.n} unit vectors"))
             return wrong
         if len(self.axes) != self.n:
-            wrong.append(
-                ("axes", f"{len(self.axes)} vectors", f"{self.n}, as many as scale_factor_V_per_deg_s")
-            )
+            as_many = f"{self.n}, as many as {self.raw_unit.scale_factor_key}"
+            wrong.append(("axes", f"{len(self.axes)} vectors", as_many))
         for k, axis in enumerate(self.axes):
             if abs(math.hypot(*axis) - 1.0) > 1e-6:
                 wrong.append((f"axes[{k}]", f"a vector of length {math.hypot(*axis):.7g}", "one of length 1"))
         return wrong
+
+
+@cache
+def record_in(name: RawUnitName) -> type[CalibrationRecord]:
+    """The model of calibration records whose raw readings are in a unit in use: its keys name the unit."""
+    unit = UNITS_IN_USE[name]
+    biases = Field(default=None, alias=unit.bias_key, description=f"of the biases [{name}]")
+    uncertainty = create_model(
+        f"Uncertainty_{unit.suffix}", __base__=Uncertainty, bias=(NotNegatives | None, biases)
+    )
+    scales = Field(alias=unit.scale_factor_key, description=f"C, per gyro [{name}/(deg/s)], not zero")
+    model = create_model(
+        f"CalibrationRecord_{unit.suffix}",
+        __base__=CalibrationRecord,
+        scale_factor=(Reals, scales),
+        bias=(Reals, Field(alias=unit.bias_key, description=f"B, per gyro [{name}]")),
+        uncertainty=(uncertainty, Field(default=uncertainty(), description="standard deviations, per gyro")),
+    )
+    model.raw_unit = unit
+    return model
+
+
+@cache
+def _stated_in(unit: RawUnit) -> type[StatedUncertainty]:
+    """The model of stated uncertainties with the bias's in a unit."""
+    return create_model(
+        f"StatedUncertainty_{unit.suffix}",
+        __base__=StatedUncertainty,
+        bias=(NotNegatives, Field(alias=unit.bias_key)),
+    )
+
+
+def _unit_named_by(data: object) -> RawUnitName:
+    """The unit that the keys of a record name, the scale factor's first; V where none does."""
+    given = data if isinstance(data, dict) else {}
+    by_scale_factor = {unit.scale_factor_key: unit.name for unit in UNITS_IN_USE.values()}
+    by_bias = {unit.bias_key: unit.name for unit in UNITS_IN_USE.values()}
+    return next((name for key, name in (by_scale_factor | by_bias).items() if key in given), "V")
 
 
 def _stated(block: Uncertainty | Noise | None) -> dict[str, tuple[float, ...]]:

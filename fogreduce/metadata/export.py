@@ -6,23 +6,26 @@
 from __future__ import annotations
 
 import json
+from functools import reduce
+from operator import or_
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 
-from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.metadata.calibration import record_in
 from fogreduce.metadata.campaign import Campaign
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.curves import Curves
 from fogreduce.metadata.effects_file import EffectsFile
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml
+from fogreduce.physics.raw_quantity import UNITS_IN_USE
 
-SCHEMAS: dict[str, type[BaseModel]] = {
+SCHEMAS: dict[str, Any] = {
     "run": Run,
-    "calibration": CalibrationRecord,
+    "calibration": reduce(or_, map(record_in, UNITS_IN_USE)),
     "campaign": Campaign,
     "curves": Curves,
     "config": WorkflowConfig,
@@ -48,11 +51,11 @@ def generated_files() -> dict[str, str]:
     return {**texts, "workflow/config.yaml": default_config_text()}
 
 
-def schema_text(model: type[BaseModel]) -> str:
-    """JSON schema of a file's model."""
+def schema_text(model: Any) -> str:
+    """JSON schema of a file's model, or of any one of several (``A | B``)."""
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **model.model_json_schema(schema_generator=_WithoutFieldTitles),
+        **TypeAdapter(model).json_schema(schema_generator=_WithoutFieldTitles),
     }
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 

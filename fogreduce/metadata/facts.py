@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fogreduce.physics.alignment import gyro_axes
 from fogreduce.physics.earth_rate import EarthPart
 from fogreduce.physics.frames import AXES, unit_from_enu
+from fogreduce.physics.raw_quantity import INCREMENTS, RawUnit, unit_in_use
 from fogreduce.physics.table_motion import Profile
 from fogreduce.units import microseconds_since_1970
 
@@ -31,8 +32,14 @@ class RunFacts:
 
     Attributes
     ----------
+    raw_unit : RawUnit
+        Unit of the raw readings in use, from now on just "raw unit".
+    is_increment : bool
+        Whether captured readings are angle increments over a sample, to be divided by its interval.
+    capture_least_count : float
+        What one count stands for, or the least step of a reading, as captured [capture.raw_unit].
     scale_factor, bias, polarity : (n,) arrays
-        C [V/(deg/s)], B [V], +1 or -1.
+        C [raw unit/(deg/s)], B [raw unit], +1 or -1.
     projection : (3, n) array or None
         H; None for a unit of one or two gyros, which gives no x, y, z.
     axes : (n, 3) array
@@ -53,7 +60,9 @@ class RunFacts:
     unit: str
     start_us: int
     sample_rate_hz: float
-    volts_per_count: float
+    raw_unit: RawUnit
+    is_increment: bool
+    capture_least_count: float
     latitude_deg: float
     scale_factor: Array
     bias: Array
@@ -70,6 +79,8 @@ class RunFacts:
     def of(cls, run: Mapping[str, Any], calibration: Mapping[str, Any]) -> RunFacts:
         """From run.yaml and calibration record as plain, validated data (``model_dump(mode="json")``)."""
         capture, table = run["capture"], run["table"]
+        captured_in = capture.get("raw_unit", "V")
+        raw_unit = unit_in_use(captured_in)
         projection = np.array(calibration["H"], float) if calibration.get("H") is not None else None
         axes = gyro_axes(projection) if projection is not None else np.array(calibration["axes"], float)
         steps = table["profile"]
@@ -80,10 +91,12 @@ class RunFacts:
             unit=run["unit"],
             start_us=microseconds_since_1970(datetime.fromisoformat(run["started_at"])),
             sample_rate_hz=float(capture["sample_rate_hz"]),
-            volts_per_count=float(capture["volts_per_count"]),
+            raw_unit=raw_unit,
+            is_increment=captured_in in INCREMENTS,
+            capture_least_count=float(capture.get("volts_per_count") or capture.get("least_count") or 1.0),
             latitude_deg=float(run["site"]["latitude_deg"]),
-            scale_factor=np.array(calibration["scale_factor_V_per_deg_s"], float),
-            bias=np.array(calibration["bias_V"], float),
+            scale_factor=np.array(calibration[raw_unit.scale_factor_key], float),
+            bias=np.array(calibration[raw_unit.bias_key], float),
             polarity=np.array(capture["polarity"], float),
             projection=projection,
             axes=axes,
@@ -101,6 +114,11 @@ class RunFacts:
     def n_gyros(self) -> int:
         """Number of gyros, n."""
         return len(self.scale_factor)
+
+    @property
+    def least_count(self) -> float:
+        """What one count stands for, or the least step of a reading [raw unit]."""
+        return self.capture_least_count * (self.sample_rate_hz if self.is_increment else 1.0)
 
     @property
     def n_expected(self) -> int:

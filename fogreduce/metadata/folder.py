@@ -17,6 +17,7 @@ from fogreduce.metadata.instant import instant_text
 from fogreduce.metadata.run import CALIBRATION_PATTERN, Run
 from fogreduce.metadata.words import kind_of
 from fogreduce.metadata.yaml12 import load_yaml
+from fogreduce.physics.raw_quantity import RAW_UNITS, unit_in_use
 
 
 def is_name(text: str) -> bool:
@@ -149,7 +150,7 @@ def read_calibration(path: Path | str) -> CalibrationRecord:
 
 
 def cross_check(run: Run, record: CalibrationRecord, file: Path | str = "run.yaml") -> None:
-    """Hold a run against its calibration record: unit, id, validity at the start, number of gyros.
+    """Hold a run against its calibration record: unit, id, validity at the start, number of gyros, raw unit.
 
     Parameters
     ----------
@@ -173,6 +174,10 @@ def cross_check(run: Run, record: CalibrationRecord, file: Path | str = "run.yam
         wrong.append(("started_at", instant_text(run.started_at), validity))
     if (given := len(run.capture.polarity)) != record.n:
         wrong.append(("capture.polarity", f"{given} signs", f"{record.n}, one a gyro of {record.record_id}"))
+    captured_in, stated_in = run.capture.raw_unit, record.raw_unit.name
+    if unit_in_use(captured_in).name != stated_in:
+        fitting = " or ".join(name for name in RAW_UNITS if unit_in_use(name).name == stated_in)
+        wrong.append(("capture.raw_unit", captured_in, f"{fitting}, as {record.record_id} is in {stated_in}"))
     if wrong:
         raise BadInput(*(Fault(str(file), *parts) for parts in wrong))
 

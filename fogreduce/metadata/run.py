@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    WithJsonSchema,
+    model_validator,
+)
 
 from fogreduce.metadata.base import FileName, Model, Name, NotNegative, Sign, Triple
 from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.instant import Instant
+from fogreduce.physics.raw_quantity import RawUnitName
 from fogreduce.units import microseconds_since_1970
 
 CALIBRATION_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
@@ -117,10 +126,35 @@ class CaptureInfo(Model):
     file: FileName = Field(description="capture's file, in the run's own folder")
     format: str = Field(pattern=r"^[a-z0-9][a-z0-9.-]{0,31}$", description="fogcap-1 or csv-1")
     sample_rate_hz: float = Field(ge=0.01, le=10_000, description="sample rate [Hz]")
-    volts_per_count: float = Field(gt=0, le=1e6, description="volts a count stands for [V]")
-    polarity: Annotated[tuple[Sign, ...], Strict(False)] = Field(
-        min_length=1, description="per gyro, the sign that turns raw volts into calibrated volts"
+    raw_unit: RawUnitName = Field(
+        default="V", description="unit of the raw readings; deg and rad are angle increments over a sample"
     )
+    volts_per_count: float | None = Field(
+        default=None, gt=0, le=1e6, description="volts a count stands for [V]; for raw_unit V alone"
+    )
+    least_count: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e6,
+        description="least step of a raw reading [raw_unit], 1 by default for counts; not for raw_unit V",
+    )
+    polarity: Annotated[tuple[Sign, ...], Strict(False)] = Field(
+        min_length=1, description="per gyro, the sign that turns raw readings into calibrated ones"
+    )
+
+    @model_validator(mode="after")
+    def _has_one_least_step(self) -> Self:
+        """volts_per_count for volts, least_count for every other unit."""
+        needed, refused = "least_count", "volts_per_count"
+        what = f"least step of a raw reading [{self.raw_unit}]"
+        if self.raw_unit == "V":
+            needed, refused, what = refused, needed, "volts a count stands for [V]"
+        if (given := getattr(self, refused)) is not None:
+            expected = f"{needed} in its place, for raw_unit {self.raw_unit}"
+            raise unexpected(expected, found=f"{given:g}", key=refused)
+        if getattr(self, needed) is None and self.raw_unit != "count":
+            raise unexpected(what, found="nothing", key=needed)
+        return self
 
 
 def _calibration_may_come_from_campaign(schema: dict[str, Any]) -> None:

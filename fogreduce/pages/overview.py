@@ -18,6 +18,7 @@ from fogreduce.archive.records import read_manifest, read_record
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.errors import BadInput
 from fogreduce.estimate.mean_curve import integral_terms
+from fogreduce.physics.raw_quantity import unit_in_use
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 OVERVIEW = "reports/overview.json"
@@ -50,6 +51,7 @@ def overview(folder: Path) -> dict[str, Any]:
     fit = report(folder, "fit", version)
     ingest = report(folder, "ingest", version)
     profile = run["table"]["profile"]
+    raw_unit = unit_in_use(run["capture"].get("raw_unit", "V"))
     flagged = {name: int(ingest[name] or 0) for name in ("lost", "torn_bytes")}
     flagged |= {name: int(value) for name, value in ingest["flagged"].items()}
     flagged["unstable_intervals"] = len(fit["unstable"])
@@ -73,7 +75,7 @@ def overview(folder: Path) -> dict[str, Any]:
         "flagged": {name: value for name, value in flagged.items() if value},
         "drift": _drift(drift),
         "offset": _offset(fit, drift),
-        "noise": _noise(fit, manifest.calibration_record["scale_factor_V_per_deg_s"]),
+        "noise": _noise(fit, manifest.calibration_record[raw_unit.scale_factor_key]),
         "temperature": _temperature(folder),
     }
 

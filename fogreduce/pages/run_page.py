@@ -11,6 +11,7 @@ from fogreduce.pages import svg
 from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
 from fogreduce.pages.overview import overview, real, report
 from fogreduce.pages.render import Crumb, page
+from fogreduce.physics.raw_quantity import unit_in_use
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.
@@ -243,6 +244,7 @@ def _figures(folder: Path, version: str) -> tuple[list[dict[str, str]], list[str
 
 def _calibration(manifest: Manifest) -> list[tuple[str, str]]:
     record = manifest.calibration_record
+    raw_unit = unit_in_use(manifest.run["capture"].get("raw_unit", "V"))
     until = record.get("valid_until")
     valid = f"from {started(str(record.get('valid_from')))}" + (
         f" until {started(str(until))}" if until else ""
@@ -251,8 +253,8 @@ def _calibration(manifest: Manifest) -> list[tuple[str, str]]:
         ("Record", manifest.calibration.id),
         ("Procedure", str(record.get("procedure", ""))),
         ("Valid", valid),
-        ("Scale factors [V/(deg/s)]", _list(record["scale_factor_V_per_deg_s"])),
-        ("Biases [V]", _list(record["bias_V"])),
+        (f"Scale factors [{raw_unit.name}/(deg/s)]", _list(record[raw_unit.scale_factor_key])),
+        (f"Biases [{raw_unit.name}]", _list(record[raw_unit.bias_key])),
         ("SHA-256 of the record", manifest.calibration.sha256),
     ]
     return rows

@@ -60,14 +60,14 @@ def draw_uncertainties(
         entries.append(entry("latitude_error", "table", [run.run_id], deg=latitude))
         entries.append(entry("heading_error", "table", [run.run_id], deg=azimuth))
     for i in range(record.n):
-        gyro, scale = f"gyro{i + 1}", record.scale_factor_V_per_deg_s[i]
+        gyro, scale = f"gyro{i + 1}", record.scale_factor[i]
         relative = normal(stated.scale_factor_rel[i], record.unit, gyro, "scale factor")
-        bias_V = normal(stated.bias_V[i], record.unit, gyro, "bias")
+        shift = normal(stated.bias[i], record.unit, gyro, "bias")
         first, second = across(axes[i])
         tilt = normal(stated.axis_rad[i], record.unit, gyro, "axis, first") * first
         tilt = tilt + normal(stated.axis_rad[i], record.unit, gyro, "axis, second") * second
-        # M -> v = C (1 + e) (M + bias): a bias in volts is one in rate through the true scale factor.
-        bias = bias_V / (scale * (1.0 + relative)) * SECONDS_PER_HOUR
+        # M -> v = C (1 + e) (M + bias): a shift of the raw reading is one of the rate, through the true C.
+        bias = shift / (scale * (1.0 + relative)) * SECONDS_PER_HOUR
         entries.append(entry("scale_factor_error", gyro, ids, ppm=relative * 1e6))
         entries.append(entry("bias_offset", gyro, ids, deg_h=bias))
         entries.append(entry("axis_misalignment", gyro, ids, mrad=tuple((tilt * 1e3).tolist())))

@@ -14,8 +14,8 @@ from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.effects.model import Effect, Stage
 from fogreduce.effects.selection import Action, action
 from fogreduce.metadata.facts import RunFacts
-from fogreduce.physics.quantization import volts_from_counts
-from fogreduce.physics.scale_factor import rate_from_volts
+from fogreduce.physics.quantization import raw_from_counts
+from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.nominal_noise import NoiseCoefficients
 
@@ -112,8 +112,8 @@ def _capture(actions: list[Action], *, noise: bool) -> tuple[Array, NDArray[np.i
 def _rates(counts: NDArray[np.int32]) -> Array:
     """Readings [deg/h], (4, N); NaN = no answer."""
     facts = RunFacts.of(_RUN, _CALIBRATION)
-    volts = volts_from_counts(counts, facts.volts_per_count)
-    return rate_from_volts(volts, facts.scale_factor, facts.bias, facts.polarity) * SECONDS_PER_HOUR
+    volts = raw_from_counts(counts, facts.least_count)
+    return rate_from_raw(volts, facts.scale_factor, facts.bias, facts.polarity) * SECONDS_PER_HOUR
 
 
 def _label(axes: Axes, values: Array, what: str) -> float:

@@ -86,8 +86,8 @@ def model_document(plan: Plan, diagnosis: Path | None = None) -> dict[str, Any]:
         "chain": _CHAIN,
         "H": record.H,
         "G": facts.axes.tolist(),
-        "scale_factor_V_per_deg_s": record.scale_factor_V_per_deg_s,
-        "bias_V": record.bias_V,
+        record.raw_unit.scale_factor_key: record.scale_factor,
+        record.raw_unit.bias_key: record.bias,
         "noise": {
             "meaning": _NOISE,
             "angle_random_walk_deg_sqrt_h": list(model.white_deg_sqrt_h),
@@ -147,9 +147,9 @@ def _stated(record: CalibrationRecord, facts: RunFacts) -> list[Uncertain]:
         step = action(effect, [gyro], [facts.run_id], parameters, record.n)
         found.append(Uncertain(f"{gyro}.{name}", unit, 0.0, sigma, step, size))
 
-    for i, scale in enumerate(record.scale_factor_V_per_deg_s):
+    for i, scale in enumerate(record.scale_factor):
         gyro = gyro_name(i)
-        bias = stated.bias_V[i] / abs(scale) * 3600.0
+        bias = stated.bias[i] / abs(scale) * 3600.0
         add("scale_factor", "ppm", stated.scale_factor_rel[i] * 1e6, "scale_factor_error", gyro, 1.0, ppm=1.0)
         add("bias", "deg/h", bias, "bias_offset", gyro, 1.0, deg_h=1.0)
         add("turn_on_bias", "deg/h", stated.turn_on_bias_deg_h[i], "turn_on_bias", gyro, 1.0, deg_h=1.0)

@@ -26,8 +26,8 @@ from fogreduce.errors import BadInput
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_unit_rate, gyro_rates_from_axis_rates
 from fogreduce.physics.noise import BLOCK
-from fogreduce.physics.quantization import counts_from_volts
-from fogreduce.physics.scale_factor import volts_from_rate
+from fogreduce.physics.quantization import counts_from_raw
+from fogreduce.physics.scale_factor import raw_from_rate
 from fogreduce.simulate.nominal_noise import GyroNoise, NoiseCoefficients
 from fogreduce.simulate.streams import stream
 
@@ -157,7 +157,7 @@ class ForwardRun:
     def volts(self, readings: Array) -> Array:
         """Raw volts of readings [deg/s], before noise and electronics: (n, N) [V]."""
         facts = self.facts
-        return volts_from_rate(readings, facts.scale_factor, facts.bias, facts.polarity)
+        return raw_from_rate(readings, facts.scale_factor, facts.bias, facts.polarity)
 
     def noise_levels(self, noise: NoiseCoefficients) -> list[NoiseLevels]:
         """Each gyro's noise: what the record states, with the effects on noise in it."""
@@ -182,7 +182,7 @@ class ForwardRun:
             volts += (facts.polarity * facts.scale_factor)[:, None] * added
         for stage in _VOLT_STAGES:
             volts = self._act(stage, volts, time_s)
-        counts = counts_from_volts(volts, facts.volts_per_count)
+        counts = counts_from_raw(volts, facts.least_count)
         for stage in _COUNT_STAGES:
             counts = self._act(stage, counts, time_s)
         shown = self._common(Stage.STAMPS, time_s)

@@ -15,7 +15,7 @@ from fogreduce.constants import MICROSECONDS_PER_SECOND, MISSING_COUNT
 from fogreduce.metadata.curves import Curves
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.noise import BLOCK
-from fogreduce.physics.quantization import counts_from_volts
+from fogreduce.physics.quantization import counts_from_raw
 from fogreduce.simulate.forward import SimulatedBlock
 from fogreduce.simulate.streams import stream
 
@@ -64,7 +64,7 @@ def blocks_from_curves(curves: Curves, facts: RunFacts, *, noise: bool = True) -
         if noise:
             unit = np.array([generator.standard_normal(len(pulse)) for generator in white])
             volts += sigma * noise_factors(curves, time_s) * unit
-        counts = counts_from_volts(volts, facts.volts_per_count)
+        counts = counts_from_raw(volts, facts.least_count)
         if noise:
             for row, generator in zip(counts, link, strict=True):
                 _spoil(row, generator, curves)

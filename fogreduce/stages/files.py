@@ -68,7 +68,7 @@ def write_ingest(writer: DatasetWriter, block: Block) -> None:
     """A block as ingest leaves it."""
     writer.write("time", block.start, block.time_us)
     writer.write("pulse", block.start, block.pulse)
-    writer.write("volts", block.start, block.volts if block.counts is None else block.counts)
+    writer.write("volts", block.start, block.raw if block.counts is None else block.counts)
     writer.write("flag", block.start, block.flag)
     writer.write("gyro_flag", block.start, block.gyro_flag)
 

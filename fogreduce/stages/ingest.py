@@ -16,7 +16,7 @@ from fogreduce.datasets.readers import Reader
 from fogreduce.estimate.outliers import CONTEXT, OutlierSearch
 from fogreduce.estimate.sequence import SequenceCheck
 from fogreduce.metadata.facts import RunFacts
-from fogreduce.physics.quantization import volts_from_counts
+from fogreduce.physics.quantization import raw_from_counts
 
 NAME = "ingest"
 
@@ -73,15 +73,15 @@ class Ingest:
         if raw.counts is not None:
             values, missing = raw.counts, raw.counts == MISSING_COUNT
         else:
-            assert raw.volts is not None
-            values, missing = raw.volts, np.isnan(raw.volts)
+            assert raw.values is not None
+            values, missing = raw.values, np.isnan(raw.values)
         if not missing.any():
             return values, None
         return _filled(values, missing), missing
 
     def _floor(self, has_counts: bool) -> NDArray[np.float64]:
-        """Least noise of each gyro, in counts or volts."""
-        quantum = self.facts.volts_per_count
+        """Least noise of each gyro, in counts or raw units."""
+        quantum = self.facts.least_count
         floor = np.full(self.facts.n_gyros, quantum)
         if self.facts.white_noise is not None:
             stated = self.facts.white_noise / 60 * np.sqrt(self.facts.sample_rate_hz)
@@ -105,11 +105,11 @@ class Ingest:
         if flag.any():
             self._note(reader, raw, flag, gyro_flag)
         if raw.counts is not None:
-            volts = volts_from_counts(raw.counts, self.facts.volts_per_count)
+            values = raw_from_counts(raw.counts, self.facts.least_count)
         else:
-            assert raw.volts is not None
-            volts = raw.volts
-        return Block(raw.start, raw.time_us, raw.pulse, flag, gyro_flag, raw.counts, volts)
+            assert raw.values is not None
+            values = raw.values
+        return Block(raw.start, raw.time_us, raw.pulse, flag, gyro_flag, raw.counts, values)
 
     def _note(
         self, reader: Reader, raw: RawBlock, flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8]

@@ -20,7 +20,7 @@ from fogreduce.datasets.readers.contradictions import contradictions
 from fogreduce.datasets.store import DatasetWriter
 from fogreduce.datasets.worker import Worker
 from fogreduce.errors import BadInput, Fault
-from fogreduce.physics.quantization import volts_from_counts
+from fogreduce.physics.quantization import raw_from_counts
 from fogreduce.stages import drift as drift_stage
 from fogreduce.stages import encoder as encoder_stage
 from fogreduce.stages import tables
@@ -70,7 +70,7 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
         fitting = stack.enter_context(Worker(_BLOCKS_AHEAD))
         for block in ingest.blocks(reader, setup.block_records):
             write_ingest(raw, block)
-            gyro_rates = calibrate(facts, block.volts)
+            gyro_rates = calibrate(facts, block.raw)
             write_gyro_rates(gyro, block, gyro_rates)
             time_s = seconds(block.time_us)
             axis_rates = rates = None
@@ -79,7 +79,7 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
                 rates = remove_earth(facts, angle, time_s, axis_rates)
             write_axis_rates(axis, block.start, block.time_us, block.flag, axis_rates)
             write_axis_rates(table, block.start, block.time_us, block.flag, rates)
-            fitting.do(partial(fit.add, time_s, block.flag, block.gyro_flag, block.volts, rates))
+            fitting.do(partial(fit.add, time_s, block.flag, block.gyro_flag, block.raw, rates))
             progress(block.start + block.time_us.size)
     _finish_ingest(setup, run_dir, ingest, reader)
     _finish_fit(setup, fit)
@@ -98,13 +98,13 @@ def run_ingest(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
 
 
 def run_calibrate(setup: Setup, progress: Progress = _silent) -> None:
-    """Stage 2: raw volts to rates about the gyros' axes."""
+    """Stage 2: raw readings to rates about the gyros' axes."""
     with (
         StageDataset(setup, "ingest") as source,
         open_writer(setup, "calibrate", source.n_records) as writer,
     ):
         for block in _ingested(setup, source):
-            write_gyro_rates(writer, block, calibrate(setup.facts, block.volts))
+            write_gyro_rates(writer, block, calibrate(setup.facts, block.raw))
             progress(block.start + block.time_us.size)
 
 
@@ -146,7 +146,7 @@ def run_fit(setup: Setup, progress: Progress = _silent) -> None:
             else iter(lambda: None, 0)
         )
         for block, rates in zip(_ingested(setup, source), rates_by_block, strict=False):
-            fit.add(seconds(block.time_us), block.flag, block.gyro_flag, block.volts, rates)
+            fit.add(seconds(block.time_us), block.flag, block.gyro_flag, block.raw, rates)
             progress(block.start + block.time_us.size)
     _finish_fit(setup, fit)
 
@@ -181,7 +181,7 @@ def _open_capture(setup: Setup, run_dir: Path) -> Reader:
 def _ingest_writer(setup: Setup, run_dir: Path, reader: Reader) -> Iterator[DatasetWriter]:
     """The dataset of ingest, the logs already in it."""
     logs = _read_logs(setup, run_dir)
-    has_counts = reader.facts.volts_per_count is not None
+    has_counts = reader.facts.least_count is not None and not setup.facts.is_increment
     with open_ingest_writer(setup, reader.n_records, has_counts, logs) as writer:
         write_logs(writer, logs)
         yield writer
@@ -217,9 +217,9 @@ def _ingested(setup: Setup, source: StageDataset) -> Iterator[Block]:
     has_counts = source.has_counts()
     for start, part in source.blocks(("time", "pulse", "volts", "flag", "gyro_flag")):
         held = part["volts"]
-        volts = volts_from_counts(held, setup.facts.volts_per_count) if has_counts else held
+        raw = raw_from_counts(held, setup.facts.least_count) if has_counts else held
         counts = held if has_counts else None
-        yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, volts)
+        yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, raw)
 
 
 def fit_of(setup: Setup, n_records: int) -> Fit:

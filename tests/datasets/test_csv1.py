@@ -39,7 +39,7 @@ def test_a_file_by_hand(tmp_path, size: int, end: str, break_: str) -> None:
         np.concatenate([b.time_us for b in blocks]), [0, 500_000, 1_000_000, 1_500_000]
     )
     np.testing.assert_array_equal(np.concatenate([b.pulse for b in blocks]), [0, 1, 2, 3])
-    volts = np.concatenate([b.volts for b in blocks], axis=1)
+    volts = np.concatenate([b.values for b in blocks], axis=1)
     expected = [[0.1, np.nan, 0.3, -0.25], [-0.2, 1e-7, np.nan, 0.000012345678901234]]
     np.testing.assert_array_equal(volts, expected)
     assert all(block.counts is None for block in blocks)

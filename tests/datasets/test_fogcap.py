@@ -66,7 +66,7 @@ def test_a_capture_written_by_hand_is_read(capture: Path, size: int) -> None:
     reader = FogcapReader(capture)
     assert (reader.n_records, reader.torn_bytes) == (3, 0)
     facts = reader.facts
-    assert (facts.n_gyros, facts.sample_rate_hz, facts.volts_per_count) == (2, 128.0, 1e-7)
+    assert (facts.n_gyros, facts.sample_rate_hz, facts.least_count) == (2, 128.0, 1e-7)
     assert (facts.start_us, facts.unit) == (1_399_899_600_000_000, "TETRA-01")
     block = whole(capture, size)
     np.testing.assert_array_equal(block.time_us, [0, 7812, 2**40])

@@ -49,7 +49,7 @@ def mean_errors(facts: RunFacts, stated: StatedErrors) -> np.ndarray:
     ("change", "expected"),
     [
         ({"scale_factor_rel": np.full(3, 1e-3)}, [0.0, 0.0, 1e-3 * W]),
-        ({"bias_V": np.array([1e-4, 0.0, 2e-4])}, [1e-3, 0.0, 2e-3]),
+        ({"bias": np.array([1e-4, 0.0, 2e-4])}, [1e-3, 0.0, 2e-3]),
         ({"turn_on_bias_deg_h": np.full(3, 3.6)}, [1e-3] * 3),
         ({"axis_rad": np.full(3, 1e-3)}, [1e-3 * W, 1e-3 * W, 0.0]),  # z along Earth's: no first-order part
         ({"azimuth_deg": 1.0}, [0.0, W * np.sin(np.radians(1.0)), 0.0]),
@@ -78,7 +78,7 @@ def test_sources_are_counted_and_ordered() -> None:
     """Five of each gyro, then azimuth, latitude and table."""
     facts = still_at_the_equator()
     found = departures(
-        facts, replace(NONE, latitude_deg=1.0, bias_V=np.array([0.0, 1e-4, 0.0])), np.arange(3.0)
+        facts, replace(NONE, latitude_deg=1.0, bias=np.array([0.0, 1e-4, 0.0])), np.arange(3.0)
     )
     assert found.shape == (18, 3, 3)
     assert np.flatnonzero(np.abs(found).max(axis=(1, 2)) > 1e-12).tolist() == [6, 16]

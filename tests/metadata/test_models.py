@@ -106,7 +106,7 @@ def test_record_states_defaults_where_it_is_silent(lab):
     assert stated.scale_factor_rel == (2e-5,) * 4  # the record's own
     assert stated.axis_rad == (DEFAULT_UNCERTAINTY["axis_rad"].value,) * 4
     # 1 deg/h through 0.075 V/(deg/s) is 0.075 / 3600 V
-    assert stated.bias_V[0] == pytest.approx(0.075 / 3600, rel=1e-15)
+    assert stated.bias[0] == pytest.approx(0.075 / 3600, rel=1e-15)
     assert record.stated_noise.bias_instability_deg_h == (DEFAULT_NOISE["bias_instability_deg_h"].value,) * 4
     assert record.noise is None
     assert record.n == 4
@@ -115,7 +115,7 @@ def test_record_states_defaults_where_it_is_silent(lab):
 def test_a_record_of_negative_scale_factor_has_a_positive_default_uncertainty():
     data = record_of([[1, 0, 0]], None)
     data["scale_factor_V_per_deg_s"] = [-2.0]
-    assert CalibrationRecord.from_data(data, "f").stated_uncertainty.bias_V == (2.0 / 3600,)
+    assert CalibrationRecord.from_data(data, "f").stated_uncertainty.bias == (2.0 / 3600,)
 
 
 def record_of(axes, matrix):

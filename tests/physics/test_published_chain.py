@@ -16,7 +16,7 @@ from fogreduce.estimate.mean_curve import CurveBasis, CurveSums
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates
 from fogreduce.physics.earth_rate import EarthPart, remove_earth_rate
 from fogreduce.physics.frames import unit_from_enu
-from fogreduce.physics.scale_factor import rate_from_volts
+from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.physics.table_motion import Profile
 
 # Tables 1 to 3 of the paper.
@@ -53,7 +53,7 @@ def reduced_curves(polarity: np.ndarray, frame_signs: np.ndarray = EQ_6) -> np.n
     """theta (a, b sin d, b cos d, e) of x, y, z, (3, 4): eq. 1, 2 and 6 on Table 4's curves, then the fit."""
     time_s = np.linspace(0.0, DURATION_S, 6001)
     volts = A_V[:, None] + B_V[:, None] * np.sin(C_RAD_S * time_s + D_RAD[:, None]) + E_V_S[:, None] * time_s
-    rates = axis_rates_from_gyro_rates(rate_from_volts(volts, SCALE, BIAS, polarity), H)
+    rates = axis_rates_from_gyro_rates(rate_from_raw(volts, SCALE, BIAS, polarity), H)
     profile = Profile(np.array([0.06]), np.array([DURATION_S]))
     u0 = unit_from_enu({"x": "up", "z": "north"}, 0.0)
     earth = EarthPart.of(np.array([1.0, 0.0, 0.0]), u0, LATITUDE_DEG, frame_signs)

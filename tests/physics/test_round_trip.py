@@ -15,7 +15,7 @@ from fogreduce.physics.alignment import (
 )
 from fogreduce.physics.earth_rate import EarthPart, add_earth_rate, remove_earth_rate
 from fogreduce.physics.frames import unit_from_enu
-from fogreduce.physics.scale_factor import rate_from_volts, volts_from_rate
+from fogreduce.physics.scale_factor import rate_from_raw, raw_from_rate
 from fogreduce.physics.table_motion import Profile, table_rates
 
 seeds = st.integers(0, 2**32 - 1)
@@ -25,9 +25,9 @@ def test_eq_1_by_hand() -> None:
     """C = 0.08 V/(deg/s), B = 2 mV: 10 deg/s put out 0.802 V, and -0.802 V where the wires are crossed."""
     scale, bias = np.array([0.08, 0.08]), np.array([2e-3, 2e-3])
     polarity = np.array([1.0, -1.0])
-    volts = volts_from_rate(np.full((2, 1), 10.0), scale, bias, polarity)
+    volts = raw_from_rate(np.full((2, 1), 10.0), scale, bias, polarity)
     np.testing.assert_allclose(volts[:, 0], [0.802, -0.802], rtol=1e-15)
-    np.testing.assert_allclose(rate_from_volts(volts, scale, bias, polarity), 10.0, rtol=1e-15)
+    np.testing.assert_allclose(rate_from_raw(volts, scale, bias, polarity), 10.0, rtol=1e-15)
 
 
 def test_eq_2_by_hand() -> None:
@@ -82,8 +82,8 @@ def test_chain_forward_and_back(seed: int, n: int) -> None:
 
     commanded = table_rates(profile, axis, signs, time_s)
     readings = gyro_rates_from_axis_rates(add_earth_rate(commanded, earth, alpha), gyro_axes(projection))
-    volts = volts_from_rate(readings, scale, bias, polarity)
-    back = axis_rates_from_gyro_rates(rate_from_volts(volts, scale, bias, polarity), projection)
+    volts = raw_from_rate(readings, scale, bias, polarity)
+    back = axis_rates_from_gyro_rates(rate_from_raw(volts, scale, bias, polarity), projection)
     back = remove_earth_rate(back, earth, alpha)
     np.testing.assert_allclose(back, commanded, atol=1e-12 * np.abs(commanded).max())
 
@@ -101,7 +101,7 @@ def test_the_papers_chain_forward_and_back(repository) -> None:
     commanded = table_rates(facts.profile, facts.table_axis, facts.frame_signs, time_s)
     axis_rates = add_earth_rate(commanded, facts.earth, alpha)
     calibration = facts.scale_factor, facts.bias, facts.polarity
-    volts = volts_from_rate(gyro_rates_from_axis_rates(axis_rates, facts.axes), *calibration)
-    back = axis_rates_from_gyro_rates(rate_from_volts(volts, *calibration), facts.projection)
+    volts = raw_from_rate(gyro_rates_from_axis_rates(axis_rates, facts.axes), *calibration)
+    back = axis_rates_from_gyro_rates(rate_from_raw(volts, *calibration), facts.projection)
     back = remove_earth_rate(back, facts.earth, alpha)
     np.testing.assert_allclose(back, commanded, atol=1e-12 * 0.06)

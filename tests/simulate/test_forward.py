@@ -13,8 +13,8 @@ from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates
 from fogreduce.physics.earth_rate import remove_earth_rate
-from fogreduce.physics.quantization import volts_from_counts
-from fogreduce.physics.scale_factor import rate_from_volts
+from fogreduce.physics.quantization import raw_from_counts
+from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.physics.table_motion import table_rates
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.nominal_noise import NoiseCoefficients
@@ -41,7 +41,7 @@ RUNS = {
 
 def reduced(run: RunFacts, volts: np.ndarray, time_s: np.ndarray) -> np.ndarray:
     """Volts to rates x, y, z without Earth's part, by the functions that the reduction uses."""
-    rates = rate_from_volts(volts, run.scale_factor, run.bias, run.polarity)
+    rates = rate_from_raw(volts, run.scale_factor, run.bias, run.polarity)
     assert run.projection is not None
     axis_rates = axis_rates_from_gyro_rates(rates, run.projection)
     return remove_earth_rate(axis_rates, run.earth, run.profile.angle_at(time_s))
@@ -70,11 +70,9 @@ def test_there_and_back_through_counts(name: str) -> None:
     pulse = np.concatenate([block.pulse for block in blocks])
     assert np.array_equal(pulse, np.arange(run.n_expected))
     assert np.abs(time_us - pulse / run.sample_rate_hz * 1e6).max() <= 0.5
-    rates = rate_from_volts(
-        volts_from_counts(counts, run.volts_per_count), run.scale_factor, run.bias, run.polarity
-    )
+    rates = rate_from_raw(raw_from_counts(counts, run.least_count), run.scale_factor, run.bias, run.polarity)
     exact = forward.readings(pulse / run.sample_rate_hz)
-    half = 0.5 * run.volts_per_count / run.scale_factor
+    half = 0.5 * run.least_count / run.scale_factor
     assert np.all(np.abs(rates - exact).max(axis=1) <= half * (1 + 1e-6))
 
 
@@ -101,7 +99,7 @@ def test_noise_of_x_y_z_from_four_independent_gyros() -> None:
     run = facts(table={"axis": [1.0, 0.0, 0.0], "profile": profile((0.0, 800.0))})
     noise = NoiseCoefficients.of(record.stated_noise.model_dump())
     counts = np.concatenate([block.counts for block in ForwardRun(run, noise).blocks()], axis=1)
-    volts = volts_from_counts(counts, run.volts_per_count)
+    volts = raw_from_counts(counts, run.least_count)
     rates = reduced(run, volts, np.arange(run.n_expected) / run.sample_rate_hz)
     # successive differences see the white noise alone
     sigma = np.std(np.diff(rates, axis=1), axis=1) / math.sqrt(2)
@@ -112,7 +110,7 @@ def test_the_record_itself_is_the_papers() -> None:
     """33.4, 25.3, 29.6, 30.6 microvolts a sample at 128 Hz, from Table 4's errors; C of Table 2."""
     record = CalibrationRecord.from_yaml(ROOT / "calibrations" / "TETRA-01" / "2012a.yaml")
     white = np.array(record.stated_noise.angle_random_walk_deg_sqrt_h)
-    volts = white / 60 * math.sqrt(128) * np.array(record.scale_factor_V_per_deg_s)
+    volts = white / 60 * math.sqrt(128) * np.array(record.scale_factor)
     assert volts == pytest.approx([33.4e-6, 25.3e-6, 29.6e-6, 30.6e-6], rel=1e-5)
 
 

@@ -18,8 +18,8 @@ from fogreduce.effects.selection import Action, action, select
 from fogreduce.effects.table import EFFECTS
 from fogreduce.metadata.effects_file import EffectEntry
 from fogreduce.physics.noise import LOWEST_FLICKER_HZ, white_density
-from fogreduce.physics.quantization import volts_from_counts
-from fogreduce.physics.scale_factor import rate_from_volts
+from fogreduce.physics.quantization import raw_from_counts
+from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.simulate.draw import across
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.plan import Options, Plan, prepare
@@ -44,8 +44,8 @@ def residuals(plan: Plan, run_id: str, answers: list[Action]) -> np.ndarray:
     run = plan.runs[run_id]
     reader = FogcapReader(plan.folder / "runs" / run_id / run.capture.file)
     counts = np.concatenate([block.counts for block in reader.blocks(65536)], axis=1)
-    volts = volts_from_counts(counts, facts.volts_per_count)
-    measured = rate_from_volts(volts, facts.scale_factor, facts.bias, facts.polarity)
+    volts = raw_from_counts(counts, facts.least_count)
+    measured = rate_from_raw(volts, facts.scale_factor, facts.bias, facts.polarity)
     plain = Plan(**{**vars(plan), "actions": answers})
     predicted = plain.forward(run_id).readings(np.arange(facts.n_expected) / facts.sample_rate_hz)
     difference = measured - predicted
@@ -81,7 +81,7 @@ def nuisances(plan: Plan) -> list[tuple[Action, float]]:
         found.append((turned, run.azimuth_uncertainty_deg / 1e-2))
     for i in range(4):
         gyro = [f"gyro{i + 1}"]
-        bias = stated.bias_V[i] / record.scale_factor_V_per_deg_s[i] * 3600
+        bias = stated.bias[i] / record.scale_factor[i] * 3600
         found.append((action("bias_offset", gyro, runs, {"deg_h": 1.0}, 4), bias))
         found.append(
             (action("scale_factor_error", gyro, runs, {"ppm": 1.0}, 4), stated.scale_factor_rel[i] * 1e6)

@@ -15,7 +15,7 @@ from simulated_runs import SCALE, H, facts, profile
 from fogreduce.cli.main import main
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates
 from fogreduce.physics.earth_rate import remove_earth_rate
-from fogreduce.physics.scale_factor import rate_from_volts
+from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.physics.table_motion import table_rates
 from fogreduce.simulate.forward import ForwardRun
 
@@ -105,7 +105,7 @@ def test_any_run_comes_back_before_rounding(
     forward = ForwardRun(run)
     time_s = np.arange(run.n_expected) / run.sample_rate_hz
     volts = forward.volts(forward.readings(time_s))
-    readings = rate_from_volts(volts, run.scale_factor, run.bias, run.polarity)
+    readings = rate_from_raw(volts, run.scale_factor, run.bias, run.polarity)
     assert run.projection is not None
     axis_rates = axis_rates_from_gyro_rates(readings, run.projection)
     back = remove_earth_rate(axis_rates, run.earth, run.profile.angle_at(time_s))

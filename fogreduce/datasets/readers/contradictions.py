@@ -36,9 +36,10 @@ def contradictions(capture: CaptureFacts, run: RunFacts, path: Path) -> list[Fau
     compare(
         "number of gyros", capture.n_gyros, run.n_gyros, "capture.polarity", capture.n_gyros == run.n_gyros
     )
+    step = "volts_per_count" if run.raw_unit.name == "V" else "least_count"
     for what, found, expected, key in (
         ("sample rate", capture.sample_rate_hz, run.sample_rate_hz, "capture.sample_rate_hz"),
-        ("volts per count", capture.volts_per_count, run.volts_per_count, "capture.volts_per_count"),
+        (step.replace("_", " "), capture.least_count, run.capture_least_count, f"capture.{step}"),
     ):
         same = found is None or math.isclose(found, expected, rel_tol=_SAME)
         compare(what, found, expected, key, same)

@@ -106,7 +106,7 @@ class CsvReader:
                     time_us=time_us,
                     pulse=self._pulses(time_s),
                     counts=None,
-                    volts=np.ascontiguousarray(values[1:]),
+                    values=np.ascontiguousarray(values[1:]),
                 )
                 start += time_us.size
         except (ValueError, ParserError):

@@ -12,7 +12,7 @@ class CaptureFacts:
     Attributes
     ----------
     n_gyros : int
-    sample_rate_hz, volts_per_count : float or None
+    sample_rate_hz, least_count : float or None
     start_us : int or None
         Microseconds since 1970-01-01T00:00:00Z.
     unit : str or None
@@ -20,6 +20,6 @@ class CaptureFacts:
 
     n_gyros: int
     sample_rate_hz: float | None = None
-    volts_per_count: float | None = None
+    least_count: float | None = None
     start_us: int | None = None
     unit: str | None = None

@@ -169,7 +169,7 @@ class FogcapReader:
                     time_us=np.ascontiguousarray(words[:, :2]).view("<i8")[:, 0],
                     pulse=np.ascontiguousarray(words[:, 2]).view("<u4").astype(np.int64),
                     counts=np.ascontiguousarray(words[:, _STAMP_WORDS:].T),
-                    volts=None,
+                    values=None,
                 )
 
 
