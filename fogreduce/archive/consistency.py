@@ -137,7 +137,7 @@ def _metadata(facts: Facts, entry: RunEntry, manifest: Manifest) -> Iterator[Fau
     """run.yaml and the calibration record: valid, and what the manifest made of them."""
     root = facts.root
     try:
-        run = load_run(root / entry.inputs)
+        run = load_run(root / entry.inputs, need_capture=False)  # it is there: one of the inputs
         record, path = load_calibration(root / "calibrations", manifest.calibration.id)
     except BadInput as error:
         yield from error.faults

@@ -17,6 +17,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from fogreduce.archive.names import faults_of_names, plain_files
 from fogreduce.archive.outputs import result_files
 from fogreduce.archive.records import (
     MANIFEST,
@@ -128,7 +129,7 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
             name = f"runs/{run.manifest.run_id}"
             shared.append((campaigns / campaign / name, f"campaigns/{campaign}/{name}"))
     for parent, place in shared:
-        for path in _plain_files(parent):
+        for path in plain_files(parent):
             items.setdefault(f"{place}/{path.name}", Item(f"{place}/{path.name}", path))
     # The diagnosis of the campaign, with its pages, where one was made.
     diagnosis = results / campaign / DIAGNOSIS
@@ -141,17 +142,9 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
         items[f"results/{campaign}/{PAGE}"] = Item(f"results/{campaign}/{PAGE}", page)
     for name in source_files(source):
         items[f"software/{name}"] = Item(f"software/{name}", source / name)
+    if faults := faults_of_names(item.source for item in items.values()):
+        raise BadInput(*faults)
     return Contents(campaign, [items[path] for path in sorted(items)], runs)
-
-
-def _plain_files(folder: Path) -> list[Path]:
-    if not folder.is_dir():
-        return []
-    return sorted(
-        path
-        for path in folder.iterdir()
-        if path.is_file() and not path.is_symlink() and not path.name.startswith(".")
-    )
 
 
 def _run(

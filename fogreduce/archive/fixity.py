@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Callable, Iterable
-from hashlib import sha256
+from hashlib import new
 from pathlib import Path
 
 from fogreduce.errors import Fault
@@ -20,17 +20,21 @@ Keep = Callable[[str, bytes], None]
 def hash_files(
     bag: Path,
     paths: Iterable[str],
-    hashes: dict[str, str],
+    algorithms: Iterable[str],
+    hashes: dict[str, dict[str, str]],
     wanted: Callable[[str], bool],
     keep: Keep,
     progress: Callable[[int], None],
 ) -> list[Fault]:
-    """Fill `hashes`, by path; hand the bytes of each wanted file to `keep`; faults of what cannot be read."""
+    """Fill `hashes`, by path and algorithm; hand the bytes of each wanted file to `keep`.
+
+    Returns the faults of what cannot be read.
+    """
     faults: list[Fault] = []
     buffer = memoryview(bytearray(_CHUNK))
     done = 0
     for path in paths:
-        digest = sha256()
+        digests = {algorithm: new(algorithm, usedforsecurity=False) for algorithm in algorithms}
         kept: bytearray | None = bytearray() if wanted(path) else None
         try:
             descriptor = os.open(bag / path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
@@ -42,7 +46,8 @@ def hash_files(
                 faults.append(Fault(str(bag / path), "", "something that is no file", "a plain file"))
                 continue
             while count := file.readinto(buffer):
-                digest.update(buffer[:count])
+                for digest in digests.values():
+                    digest.update(buffer[:count])
                 if kept is not None:
                     kept += buffer[:count]
                     if len(kept) > LARGEST_KEPT_BYTES:
@@ -51,7 +56,7 @@ def hash_files(
                         kept = None
                 done += count
                 progress(done)
-        hashes[path] = digest.hexdigest()
+        hashes[path] = {algorithm: digest.hexdigest() for algorithm, digest in digests.items()}
         if kept is not None:
             keep(path, bytes(kept))
     return faults

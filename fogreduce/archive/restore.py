@@ -16,11 +16,10 @@ from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 
-from fogreduce.archive.bag import PAYLOAD_MANIFEST
 from fogreduce.archive.contents import MADE
 from fogreduce.archive.records import MANIFEST, read_manifest
-from fogreduce.archive.tagfiles import read_manifest_lines
 from fogreduce.archive.verify import Verified, verify
+from fogreduce.archive.write import RECORD
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
@@ -64,22 +63,24 @@ def restore(
     Raises
     ------
     BadInput
-        The bag has faults, or `target` is there.
+        The bag has faults, or is none of ours, or `target` is there.
     """
     if os.path.lexists(target):
         raise BadInput.at(target, "", found="something there already", expected="a new folder")
     found = verify(bag, expect, progress)
     if found.faults:
         raise BadInput(*found.faults)
-    hashes, _ = read_manifest_lines((bag / PAYLOAD_MANIFEST).read_bytes(), str(bag), "data/")
+    if not found.ours:
+        record = bag / "data" / RECORD
+        raise BadInput.at(record, "", found="no such file", expected="the record of `fogreduce archive`")
     at = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     shutil.rmtree(at, ignore_errors=True)
     try:
         done = found.bytes
-        for path in sorted(hashes):
-            place = restored_path(path.removeprefix("data/"))
+        for path, digest in sorted(found.payload.items()):
+            place = restored_path(found.recorded.get(path, path).removeprefix("data/"))
             if place is not None:
-                done += _copy(bag / path, at / place, hashes[path])
+                done += _copy(bag / path, at / place, digest)
                 progress(done)
         note = _set_parameters(at)
         _make_older(at)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
@@ -11,24 +11,48 @@ from fogreduce.archive.bag import PAYLOAD_MANIFEST, TAG_MANIFEST
 from fogreduce.archive.consistency import inconsistencies
 from fogreduce.archive.facts import Facts
 from fogreduce.archive.fixity import hash_files
-from fogreduce.archive.tagfiles import declaration_fault, read_info, read_manifest_lines
+from fogreduce.archive.manifests import PAYLOAD, TAGS, Manifests, read_manifests, read_tag_file
+from fogreduce.archive.tagfiles import read_declaration, read_fetch, read_info
 from fogreduce.archive.walk import Listing, walk
+from fogreduce.archive.write import AGENT, RECORD
 from fogreduce.errors import BadInput, Fault
 
-_INFO, _DECLARATION = "bag-info.txt", "bagit.txt"
-_TAGS = (_INFO, _DECLARATION, PAYLOAD_MANIFEST)
-_LARGEST_TAG_BYTES = 1 << 28
+_INFO, _DECLARATION, _FETCH = "bag-info.txt", "bagit.txt", "fetch.txt"
 
 
 @dataclass(frozen=True)
 class Verified:
-    """What was found: nothing is wrong where `faults` is empty."""
+    """What was found: nothing is wrong where `faults` is empty.
+
+    Attributes
+    ----------
+    digest : str
+        SHA-256 of the tag manifest; empty where there is none of SHA-256.
+    files, bytes : int
+        Of the payload.
+    campaign : str
+        What is archived.
+    ours : bool
+        Whether `fogreduce archive` wrote it. Of another bag only the bytes were held against its manifests.
+    payload : mapping
+        SHA-256 of each payload file by its path in the bag, and
+    recorded : mapping
+        the path that the bag's maker gave it, where the disk spells it otherwise.
+    unusual : tuple of str
+        What is valid but not as most tools write it.
+    faults : tuple of Fault
+        What is not valid.
+    """
 
     digest: str
     files: int
     bytes: int
     campaign: str
-    faults: tuple[Fault, ...]
+    ours: bool = True
+    payload: Mapping[str, str] = field(default_factory=dict)
+    recorded: Mapping[str, str] = field(default_factory=dict)
+    unusual: tuple[str, ...] = ()
+    faults: tuple[Fault, ...] = ()
 
 
 def verify(
@@ -48,50 +72,66 @@ def verify(
     Raises
     ------
     BadInput
-        It is no bag, or holds what no bag of ours can hold (links, say): then nothing of it is read.
+        It is no bag, or holds what is not even opened (links, say): then nothing of it is read.
     """
     listing = listed(bag)
-    tags = {name: _read(bag / name) for name in (*_TAGS, TAG_MANIFEST)}
-    digest = sha256(tags[TAG_MANIFEST]).hexdigest()
-    faults: list[Fault] = []
+    raw = read_tag_file(bag, listing, _DECLARATION)
+    version, encoding, faults = read_declaration(raw, str(bag / _DECLARATION))
+    tags = read_manifests(bag, listing, TAGS, encoding)
+    payload = read_manifests(bag, listing, PAYLOAD, encoding)
+    info, unusual, found = _info(bag, listing, encoding)
+    faults += [*tags.faults, *payload.faults, *found]
+    unusual = [*tags.unusual, *payload.unusual, *unusual]
+    ours = f"data/{RECORD}" in {*payload.paths, *listing.sizes}
+    ours = ours or info.get("bag-software-agent", "").startswith(AGENT)
+    digest = ""
+    if TAG_MANIFEST in listing.sizes:
+        digest = sha256(read_tag_file(bag, listing, TAG_MANIFEST)).hexdigest()
     if expect is not None and digest != expect:
-        faults.append(Fault(str(bag / TAG_MANIFEST), "", f"SHA-256 {digest}", f"{expect}, as asked for"))
-    stated, found = read_manifest_lines(tags[TAG_MANIFEST], str(bag / TAG_MANIFEST), "")
-    faults += found
-    faults += _tags_against(bag, stated, tags, listing)
-    faults += declaration_fault(tags[_DECLARATION], str(bag / _DECLARATION))
-    payload, found = read_manifest_lines(tags[PAYLOAD_MANIFEST], str(bag / PAYLOAD_MANIFEST), "data/")
-    faults += found
-    info, found = read_info(tags[_INFO], str(bag / _INFO))
-    faults += found
+        stated = f"SHA-256 {digest}" if digest else "no such file"
+        faults.append(Fault(str(bag / TAG_MANIFEST), "", stated, f"{expect}, as asked for"))
+    aside = _not_listed(bag, listing, tags)
+    faults += aside if ours else []
+    unusual += [] if ours else [f"{fault.found} ({Path(fault.file).relative_to(bag)})" for fault in aside]
     present = {path: size for path, size in listing.sizes.items() if path.startswith("data/")}
-    faults += _completeness(bag, payload, present)
-    oxum = f"{sum(present.values())}.{len(present)}"
-    if info.get("Payload-Oxum") != oxum:
-        faults.append(Fault(str(bag / _INFO), "Payload-Oxum", str(info.get("Payload-Oxum")), oxum))
+    fetch = _fetch(bag, listing, encoding)
+    faults += _completeness(bag, tags, set(listing.sizes), fetch)
+    faults += _completeness(bag, payload, set(present), fetch)
+    faults += _unlisted_payload(bag, payload, set(present), version)
+    faults += _oxum(bag, info.get("payload-oxum"), present, required=ours)
 
+    hashes: dict[str, dict[str, str]] = {}
     facts = Facts(bag / "data")
-    hashes: dict[str, str] = {}
+    spelt = {path: payload.recorded.get(path, path).removeprefix("data/") for path in present}
     faults += hash_files(
         bag,
-        sorted(present),
+        sorted({*present, *(tags.paths & set(listing.sizes))}),
+        {"sha256", *tags.hashes, *payload.hashes},
         hashes,
-        lambda path: facts.wants(path.removeprefix("data/")),
-        lambda path, raw: facts.add(path.removeprefix("data/"), raw),
+        lambda path: ours and path in spelt and facts.wants(spelt[path]),
+        lambda path, kept: facts.add(spelt[path], kept),
         progress,
     )
-    for path, expected in payload.items():
-        if path in hashes and hashes[path] != expected:
-            faults.append(
-                Fault(str(bag / path), "", f"SHA-256 {hashes[path]}", f"{expected}, as its manifest")
-            )
-    files = {path.removeprefix("data/"): (digest_, present[path]) for path, digest_ in hashes.items()}
-    named = {fault.file for fault in faults}
-    further = [*facts.faults, *inconsistencies(facts, files, info.get("External-Identifier", ""))]
-    # One fault a file is enough where its bytes are not those that were archived.
-    faults += [fault for fault in further if fault.file not in named]
-    campaign = info.get("External-Identifier", "")
-    return Verified(digest, len(present), sum(present.values()), campaign, tuple(faults))
+    faults += [*tags.against(bag, hashes), *payload.against(bag, hashes)]
+    campaign = info.get("external-identifier", "")
+    sha256s = {path: hashes[path]["sha256"] for path in present if path in hashes}
+    if ours:
+        files = {spelt[path]: (found, present[path]) for path, found in sha256s.items()}
+        named = {fault.file for fault in faults}
+        further = [*facts.faults, *inconsistencies(facts, files, campaign)]
+        # One fault a file is enough where its bytes are not those that were archived.
+        faults += [fault for fault in further if fault.file not in named]
+    return Verified(
+        digest,
+        len(present),
+        sum(present.values()),
+        campaign,
+        ours,
+        sha256s,
+        payload.recorded,
+        tuple(unusual),
+        tuple(faults),
+    )
 
 
 def listed(bag: Path) -> Listing:
@@ -102,40 +142,63 @@ def listed(bag: Path) -> Listing:
     listing = walk(bag)
     if listing.faults:
         raise BadInput(*listing.faults)
-    for name in (TAG_MANIFEST, *_TAGS):
-        size = listing.sizes.get(name)
-        if size is None:
-            raise BadInput.at(bag / name, "", found="no such file", expected="one in every bag")
-        if size > _LARGEST_TAG_BYTES:
-            raise BadInput.at(bag / name, "", found=f"{size} bytes", expected=f"at most {_LARGEST_TAG_BYTES}")
+    if _DECLARATION not in listing.sizes:
+        raise BadInput.at(bag / _DECLARATION, "", found="no such file", expected="one in every bag")
+    if not any(name.startswith(f"{PAYLOAD}-") for name in listing.sizes):
+        raise BadInput.at(bag / PAYLOAD_MANIFEST, "", found="no such file", expected="a payload manifest")
     return listing
 
 
-def _read(path: Path) -> bytes:
-    return path.read_bytes()
+def _info(bag: Path, listing: Listing, encoding: str) -> tuple[dict[str, str], list[str], list[Fault]]:
+    """Fields of bag-info.txt, which a bag may be without."""
+    if _INFO not in listing.sizes:
+        return {}, [], []
+    fields, unusual, faults = read_info(read_tag_file(bag, listing, _INFO), str(bag / _INFO), encoding)
+    return fields, [f"{what} ({_INFO})" for what in sorted(unusual)], faults
 
 
-def _tags_against(bag: Path, stated: dict[str, str], tags: dict[str, bytes], listing: Listing) -> list[Fault]:
-    faults = []
-    for name in _TAGS:
-        found = sha256(tags[name]).hexdigest()
-        if name not in stated:
-            faults.append(Fault(str(bag / TAG_MANIFEST), "", f"no line of {name}", "one"))
-        elif stated[name] != found:
-            expected = f"{stated[name]}, as {bag / TAG_MANIFEST} has it"
-            faults.append(Fault(str(bag / name), "", f"SHA-256 {found}", expected))
-    for name in sorted(set(stated) - set(_TAGS)):
-        faults.append(Fault(str(bag / TAG_MANIFEST), "", f"a line of {name}", "none"))
+def _fetch(bag: Path, listing: Listing, encoding: str) -> set[str]:
+    """The payload files that are to be fetched from elsewhere where they are not here."""
+    if _FETCH not in listing.sizes:
+        return set()
+    return read_fetch(read_tag_file(bag, listing, _FETCH), encoding, listing.find)
+
+
+def _not_listed(bag: Path, listing: Listing, tags: Manifests) -> list[Fault]:
+    """What no manifest vouches for: `fogreduce archive` leaves no such thing, other tools may."""
+    faults = [Fault(str(bag / folder), "", "an empty folder", "files in it") for folder in listing.empty]
+    if not tags.hashes:
+        return [*faults, Fault(str(bag / TAG_MANIFEST), "", "no such file", "a manifest of the tag files")]
+    expected = f"one that {tags.shown(bag)} lists"
     for path in sorted(listing.sizes):
-        if not path.startswith("data/") and path not in tags:
-            faults.append(Fault(str(bag / path), "", "a file that is not listed", "no such file"))
+        if not path.startswith(("data/", f"{TAGS}-")) and path not in tags.paths:
+            faults.append(Fault(str(bag / path), "", "a file that is not listed", expected))
     return faults
 
 
-def _completeness(bag: Path, payload: dict[str, str], present: dict[str, int]) -> list[Fault]:
-    faults = []
-    for path in sorted(set(payload) - set(present)):
-        faults.append(Fault(str(bag / path), "", "no such file", "one, as its manifest lists it"))
-    for path in sorted(set(present) - set(payload)):
-        faults.append(Fault(str(bag / path), "", "a file that is not listed", "no such file"))
+def _completeness(bag: Path, manifests: Manifests, present: set[str], fetch: set[str]) -> list[Fault]:
+    """Files that are listed and not there."""
+    missing = manifests.paths - present
+    expected = f"one, as {manifests.shown(bag)} lists it"
+    faults = [Fault(str(bag / path), "", "no such file", expected) for path in sorted(missing - fetch)]
+    if away := sorted(missing & fetch):
+        found = f"{len(away)} files that are still to be fetched, the first {away[0]}"
+        faults.append(Fault(str(bag / _FETCH), "", found, "a bag with all its files"))
     return faults
+
+
+def _unlisted_payload(bag: Path, payload: Manifests, present: set[str], version: str) -> list[Fault]:
+    """Payload files that are there and not listed."""
+    # Before version 1.0 a file had to be in one of the manifests, since then in each (RFC 8493, 2.1.3).
+    lists = payload.hashes.values() if version == "1.0" else [payload.paths]
+    unlisted = set().union(*(present - set(paths) for paths in lists))
+    expected = f"one that {payload.shown(bag)} lists"
+    return [Fault(str(bag / path), "", "a file that is not listed", expected) for path in sorted(unlisted)]
+
+
+def _oxum(bag: Path, stated: str | None, present: dict[str, int], *, required: bool) -> list[Fault]:
+    """Payload-Oxum against the payload: bytes, a point, files."""
+    oxum = f"{sum(present.values())}.{len(present)}"
+    if stated == oxum or (stated is None and not required):
+        return []
+    return [Fault(str(bag / _INFO), "Payload-Oxum", stated or "nothing", f"{oxum}, bytes and files of data/")]

@@ -24,11 +24,24 @@ class Listing:
     sizes : dict
         Bytes of each plain file by its path in the bag, parted by /.
     faults : list of Fault
-        What no bag of ours holds: links, devices, names that are not plain, absurd sizes, empty folders.
+        What is not even opened: links, devices, names that are not plain, absurd sizes.
+    empty : list of str
+        Folders with nothing in them, which no manifest can list.
     """
 
     sizes: dict[str, int] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
+    empty: list[str] = field(default_factory=list)
+    _spellings: dict[str, str] = field(default_factory=dict)
+
+    def find(self, name: str) -> str | None:
+        """The path of a file as the disk spells it; a Mac's disk changes names' Unicode form."""
+        return name if name in self.sizes else self._spellings.get(unicodedata.normalize("NFC", name))
+
+    def add(self, path: str, size: int) -> str:
+        """Take in a file; the path that it cannot be told from, where there is one."""
+        self.sizes[path] = size
+        return self._spellings.setdefault(unicodedata.normalize("NFC", path), path)
 
 
 def walk(bag: Path) -> Listing:
@@ -39,7 +52,7 @@ def walk(bag: Path) -> Listing:
         folder = todo.pop()
         entries = sorted(os.scandir(bag / folder), key=lambda entry: entry.name)
         if not entries and folder:
-            listing.faults.append(Fault(f"{bag / folder}", "", "an empty folder", "files in every folder"))
+            listing.empty.append(folder)
         for entry in entries:
             path = f"{folder}/{entry.name}" if folder else entry.name
             if problem := _problem(entry, path):
@@ -48,7 +61,10 @@ def walk(bag: Path) -> Listing:
             elif entry.is_dir(follow_symlinks=False):
                 todo.append(path)
             else:
-                listing.sizes[path] = entry.stat(follow_symlinks=False).st_size
+                other = listing.add(path, entry.stat(follow_symlinks=False).st_size)
+                if other != path:
+                    found = "the name of another file, in another Unicode form"
+                    listing.faults.append(Fault(str(bag / path), "", found, "names that differ"))
         if len(listing.sizes) + len(todo) > MOST_FILES:
             listing.faults.append(Fault(str(bag), "", "files without end", f"at most {MOST_FILES}"))
             break
@@ -63,8 +79,6 @@ def _problem(entry: os.DirEntry[str], path: str) -> tuple[str, str] | None:
         return "a name that is not UTF-8", "a name in UTF-8"
     if not entry.name.isprintable() or "\\" in entry.name:
         return "a name with control characters or backslashes", "a plain name"
-    if unicodedata.normalize("NFC", entry.name) != entry.name:
-        return "a name that is not in Unicode's normal form C", "one that is"
     status = entry.stat(follow_symlinks=False)
     if stat.S_ISLNK(status.st_mode):
         return "a link", "a plain file"

@@ -16,6 +16,8 @@ from fogreduce.errors import BadInput, Fault
 
 RECORD = "archive.json"
 RECORD_SCHEMA = "fogreduce/archive/1"
+#: How the value of Bag-Software-Agent begins in bag-info.txt.
+AGENT = "fogreduce "
 _PACKAGE = "software/fogreduce/"
 
 
@@ -68,7 +70,7 @@ def write_bag(
         bag.add_text(CRATE, crate(contents, bag.hashes, bag.sizes, versions))
         digest = bag.finish(
             {
-                "Bag-Software-Agent": f"fogreduce {fogreduce.__version__}",
+                "Bag-Software-Agent": f"{AGENT}{fogreduce.__version__}",
                 "External-Description": f"fogreduce archive of the campaign {contents.campaign}",
                 "External-Identifier": contents.campaign,
             }

@@ -77,12 +77,14 @@ def _check_file(path: Path, calibrations: Path, faults: list[Fault]) -> str:
 
 def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
     """campaign.yaml, what it names, and all runs."""
+    from fogreduce.archive.names import faults_of_names, plain_files
     from fogreduce.metadata.curves import Curves
     from fogreduce.metadata.faults import NAME_IN_WORDS
     from fogreduce.metadata.folder import find_runs, is_name, load_campaign
 
     if not is_name(name := path.absolute().name or path.resolve().name):
         faults.append(Fault(str(path), "", f"a campaign called {name}", NAME_IN_WORDS))
+    faults.extend(faults_of_names(plain_files(path)))
     campaign = _collect(faults, load_campaign, path)
     made = campaign.captures_from if campaign else None
     if made and made.curves:

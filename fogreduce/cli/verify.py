@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from pathlib import Path
 
 from fogreduce.errors import BadInput
@@ -27,11 +28,15 @@ def run(arguments: argparse.Namespace) -> int:
     if expect is not None and not re.fullmatch(r"[0-9a-f]{64}", expect):
         raise BadInput.at("--expect", "", found=expect, expected="64 hexadecimal digits in lower case")
     from fogreduce.archive.verify import listed, verify
+    from fogreduce.archive.write import RECORD
     from fogreduce.cli.progress import progress
 
     with progress(sum(listed(arguments.bag).sizes.values()), "B") as told:
         found = verify(arguments.bag, expect, told)
     if found.faults:
         raise BadInput(*found.faults)
-    print(f"{found.digest}  {arguments.bag}: {found.files} files, {found.bytes} bytes, all as archived")
+    if found.unusual:
+        print(f"{arguments.bag}: valid, though unusual: {'; '.join(found.unusual)}", file=sys.stderr)
+    how = "all as archived" if found.ours else f"all as its manifests list them; no {RECORD}, so no records"
+    print(f"{found.digest or '-'}  {arguments.bag}: {found.files} files, {found.bytes} bytes, {how}")
     return 0

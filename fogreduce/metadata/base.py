@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
 from typing import Annotated, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
 
 from fogreduce.errors import BadInput
 from fogreduce.metadata.faults import NAME_PATTERN, faults_of, unexpected
+from fogreduce.metadata.file_name import problem_of_file_name
 from fogreduce.metadata.yaml12 import load_yaml
 
 
@@ -40,8 +40,8 @@ class Model(BaseModel):
 
 
 def _plain_file_name(text: str) -> str:
-    if re.search(r"[/\\\x00-\x1f]", text) or text in ("", ".", "..") or len(text.encode()) > 255:
-        raise unexpected("a plain file name in the same folder (no path)")
+    if problem := problem_of_file_name(text):
+        raise unexpected(problem)
     return text
 
 
@@ -53,7 +53,7 @@ def _sign(value: object) -> int:
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 FileName = Annotated[
-    str, AfterValidator(_plain_file_name), Field(json_schema_extra={"pattern": r"^[^/\\\x00-\x1f]+$"})
+    str, AfterValidator(_plain_file_name), Field(json_schema_extra={"pattern": r"^[^/\\\x00-\x1f%]+$"})
 ]
 Sign = Annotated[int, BeforeValidator(_sign), Field(json_schema_extra={"enum": [1, -1]})]
 #: The bound is there so that squares stay finite; no quantity of ours comes near it.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+import unicodedata
 from pathlib import Path
 
 from fogreduce.errors import BadInput, Fault
@@ -221,12 +222,20 @@ def _named_files(data: dict[str, object], folder: Path, path: Path, need_capture
     return faults
 
 
+def _in_another_form(folder: Path, name: str) -> str:
+    """What to say where a file looks the same and is spelt otherwise: a Mac's disk takes letters apart."""
+    same = unicodedata.normalize("NFC", name)
+    if any(unicodedata.normalize("NFC", path.name) == same for path in folder.iterdir()):
+        return " (one of that name in another Unicode form is: rename it)"
+    return ""
+
+
 def _problem_of_file(folder: Path, name: str, optional: bool) -> str:
     """What is wrong with the file `name` of `folder`, in plain words; empty when nothing is."""
     file = folder / name
     try:
         if not os.path.lexists(file):
-            return "" if optional else f"{name}, which is not there"
+            return "" if optional else f"{name}, which is not there{_in_another_form(folder, name)}"
         if not file.resolve().is_relative_to(folder.resolve()):
             return f"{name}, a link that leaves the folder"
         if not file.is_file():
