@@ -100,6 +100,7 @@ def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
 def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capture: bool = True) -> str:
     """run.yaml, the files it names, its calibration record and its capture's header."""
     from fogreduce.metadata.folder import cross_check, load_calibration, load_run, named_calibration
+    from fogreduce.physics.raw_quantity import unit_in_use
 
     path = path.parent if path.name == "run.yaml" else path
     run = _collect(faults, load_run, path, need_capture=need_capture)
@@ -110,7 +111,8 @@ def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capt
         return ""
     record = loaded[0]
     _collect(faults, cross_check, run, record, path / "run.yaml")
-    if (path / run.capture.file).exists():
+    in_one_unit = unit_in_use(run.capture.raw_unit) == record.raw_unit
+    if in_one_unit and (path / run.capture.file).exists():
         _collect(faults, _check_capture, path / run.capture.file, run, record)
     _check_logs(path, run, faults)
     return f"{record.n} gyros, {run.n_expected} records expected, calibration {run.calibration}"

@@ -11,6 +11,7 @@ from fogreduce.errors import BadInput, FogreduceError
 
 if TYPE_CHECKING:
     from fogreduce.estimate.levenberg_marquardt import FreeFit
+    from fogreduce.physics.raw_quantity import RawUnit
     from fogreduce.stages.fit import Segment
     from fogreduce.stages.setup import Setup
 
@@ -57,7 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
                     undetermined += 1
                     lines.append(f"  {error}")
                 else:
-                    lines += [_ROW.format(*row) for row in _rows(channel, linear, found)]
+                    rows = _rows(channel, linear, found, setup.facts.raw_unit)
+                    lines += [_ROW.format(*row) for row in rows]
     print("\n".join(lines))
     if undetermined:
         print(f"{arguments.out}: {undetermined} curves could not be fitted", file=sys.stderr)
@@ -88,7 +90,7 @@ def _usable(setup: Setup, channel: str) -> tuple[Any, Any]:
     from fogreduce.stages.setup import seconds
 
     is_gyro = channel in setup.gyros
-    variable = "volts" if is_gyro else "axis_rate"
+    variable = setup.facts.raw_unit.variable if is_gyro else "axis_rate"
     row = (setup.gyros if is_gyro else setup.axes).index(channel)
     times, values = [], []
     with StageDataset(setup, "ingest" if is_gyro else "remove_earth") as source:
@@ -120,13 +122,15 @@ def _heading(channel: str, segment: Segment, records: int, free_rate: bool) -> s
     return f"{heading}, c {rate}\n" + _ROW.format("parameter", "value", "std error", "linear fit")
 
 
-def _rows(channel: str, linear: Any, found: FreeFit) -> list[tuple[str, str, str, str]]:
+def _rows(channel: str, linear: Any, found: FreeFit, raw_unit: RawUnit) -> list[tuple[str, str, str, str]]:
     """Parameter, value, standard error, the linear fit's value."""
     import numpy as np
 
     from fogreduce.estimate.mean_curve import amplitude_and_phase
 
-    unit, slope_unit = ("V", "V_s") if channel.startswith("gyro") else ("deg_s", "deg_s2")
+    unit, slope_unit = ("deg_s", "deg_s2")
+    if channel.startswith("gyro"):
+        unit, slope_unit = raw_unit.suffix, raw_unit.slope_suffix
     theta, errors = found.theta, np.sqrt(np.diag(found.covariance))
     old, old_covariance = np.array(linear["theta"]), np.array(linear["covariance"])
     rows: list[tuple[str, float, float, float]] = [(f"a_{unit}", theta[0], errors[0], old[0])]

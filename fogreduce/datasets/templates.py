@@ -59,18 +59,19 @@ GYRO_FLAG = Variable(
 
 
 def ingest_variables(facts: RunFacts, *, has_counts: bool) -> list[Variable]:
-    """Raw volts as they stand in the capture (packed counts where it holds counts) and their flags."""
-    described = {"long_name": "raw volts of each gyro", "units": "V"}
+    """Raw readings as they stand in the capture (packed counts where it holds counts) and their flags."""
+    unit = facts.raw_unit
+    described = {"long_name": f"raw {unit.quantity} of each gyro", "units": unit.cf}
     if has_counts:
         packing = {
             "scale_factor": np.float64(facts.least_count),
             "_FillValue": np.int32(MISSING_COUNT),
         }
-        volts = Variable("volts", ("gyro", "time"), "<i4", {**described, **packing})
+        raw = Variable(unit.variable, ("gyro", "time"), "<i4", {**described, **packing})
     else:
-        volts = Variable("volts", ("gyro", "time"), "<f8", described)
+        raw = Variable(unit.variable, ("gyro", "time"), "<f8", described)
     pulse = Variable("pulse", ("time",), "<u4", {"long_name": "number of the stimulus pulse", "units": "1"})
-    return [time_variable(facts), pulse, volts, RECORD_FLAG, GYRO_FLAG]
+    return [time_variable(facts), pulse, raw, RECORD_FLAG, GYRO_FLAG]
 
 
 def log_variables(facts: RunFacts, logs: Mapping[str, object]) -> list[Variable]:
@@ -134,8 +135,8 @@ _BIN_KINDS = {
 
 
 def bin_variables(facts: RunFacts) -> list[Variable]:
-    """The run in some thousand bins: raw volts and, where there are any, rates about x, y, z."""
-    families = [("volts", "gyro", "V")]
+    """The run in some thousand bins: raw readings and, where there are any, rates about x, y, z."""
+    families = [(facts.raw_unit.variable, "gyro", facts.raw_unit.cf)]
     if facts.projection is not None:
         families.append(("axis_rate", "axis", "degree s-1"))
     variables = [time_variable(facts)]

@@ -30,6 +30,7 @@ _DIMENSIONS = {
     "flag": ("time",),
     "gyro_flag": ("gyro", "time"),
     "volts": ("gyro", "time"),
+    "raw": ("gyro", "time"),
     "gyro_rate": ("gyro", "time"),
     "axis_rate": ("axis", "time"),
 }
@@ -58,6 +59,7 @@ def open_run(path: str | os.PathLike[str]) -> xr.Dataset:
 
         ======================== ============== ========== ==================================================
         ``volts``                (gyro, time)   V          raw volts; NaN = no answer; spurious ones stand
+        ``raw``                  (gyro, time)   see attrs  in their place: raw readings in another unit
         ``pulse``                (time)         1          number of the stimulus pulse
         ``flag``                 (time)         bit mask   why a record is out of the ordinary (`RecordFlag`)
         ``gyro_flag``            (gyro, time)   bit mask   why a sample is (`GyroFlag`)
@@ -89,7 +91,7 @@ def open_run(path: str | os.PathLike[str]) -> xr.Dataset:
         for stage in STAGES:
             path = folder / "datasets" / f"{stage}.nc"
             parts[stage] = _open_stage(path)
-            _as_written(path, parts[stage], _NEEDED[stage])
+            _as_written(path, parts[stage], _needed(stage, parts[stage]))
             _same_run(folder, parts, stage)
         return _merged(parts)
     except (AttributeError, KeyError, TypeError, ValueError) as error:
@@ -113,6 +115,12 @@ def _open_stage(path: Path) -> xr.Dataset:
         return xr.open_dataset(path, engine="h5netcdf", decode_times=False, phony_dims="access")
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError, LookupError) as error:
         raise BadInput.at(path, "", found=str(error), expected=f"a dataset of {_EXPECTED}") from None
+
+
+def _needed(stage: str, part: xr.Dataset) -> tuple[str, ...]:
+    """What a stage's dataset cannot do without; raw readings in another unit than volts are called `raw`."""
+    in_volts = "raw" not in part.variables
+    return tuple(name if in_volts or name != "volts" else "raw" for name in _NEEDED[stage])
 
 
 def _as_written(path: Path, part: xr.Dataset, needed: tuple[str, ...]) -> None:

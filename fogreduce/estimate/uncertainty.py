@@ -21,7 +21,7 @@ from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates, gyro_rates_from_axis_rates
 from fogreduce.physics.earth_rate import add_earth_rate
 from fogreduce.physics.frames import DIRECTIONS_ENU, across, rotation
-from fogreduce.physics.raw_quantity import unit_in_use
+from fogreduce.physics.raw_quantity import unit_of_capture
 from fogreduce.physics.table_motion import Profile, table_rates
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class StatedErrors:
     @classmethod
     def of_plain(cls, run: Mapping[str, Any], stated: Mapping[str, Any]) -> StatedErrors:
         """From run.yaml and a record's stated uncertainties as plain, validated data, defaults filled in."""
-        raw_unit = unit_in_use(run["capture"].get("raw_unit", "V"))
+        raw_unit = unit_of_capture(run["capture"])
         return cls(
             np.array(stated["scale_factor_rel"], float),
             np.array(stated[raw_unit.bias_key], float),

@@ -19,16 +19,17 @@ from fogreduce.stages.angles import channel_of
 
 
 def draw(results: Results) -> Figure:
-    """Gyros (volts over scale factor) and axes side by side, of the longest segment, in deg/h."""
+    """Gyros (raw readings over scale factor) and axes side by side, of the longest segment, in deg/h."""
     segment = max(results.segments, key=lambda item: float(item["stop_s"] - item["start_s"]))
-    families = [("gyros (volts over scale factor)", results.gyros)]
+    quantity = results.setup.facts.raw_unit.quantity
+    families = [(f"gyros ({quantity} over scale factor)", results.gyros)]
     if results.axes is not None:
         families.append(("x, y, z", results.axes))
     title = "Allan deviation of the residuals"
     figure, (row,) = style.panels(results.identity, title, 1, 4.1, (1.0,) * len(families))
-    per_volt = SECONDS_PER_HOUR / np.abs(results.setup.facts.scale_factor)
+    per_reading = SECONDS_PER_HOUR / np.abs(results.setup.facts.scale_factor)
     for axes, (name, family) in zip(row, families, strict=True):
-        scales = per_volt if family is results.gyros else np.full(3, SECONDS_PER_HOUR)
+        scales = per_reading if family is results.gyros else np.full(3, SECONDS_PER_HOUR)
         drawn = [
             _draw_channel(axes, results, family, k, segment, scale) for k, scale in enumerate(scales.tolist())
         ]

@@ -16,7 +16,7 @@ from fogreduce.figures import (
     angles,
     encoder,
     flags,
-    gyro_volts,
+    gyro_raw,
     rates,
     residuals,
     temperature,
@@ -37,7 +37,7 @@ STEMS = (
 )
 
 _ALWAYS: dict[str, Callable[[Results], Figure]] = {
-    "gyro_volts": gyro_volts.draw,
+    "gyro_volts": gyro_raw.draw,
     "residuals_gyros": residuals.draw_gyros,
     "allan": allan.draw,
     "flags": flags.draw,
@@ -68,7 +68,9 @@ def plan(results: Results, run_dir: Path | None) -> Plan:
     left_out: dict[str, str] = {}
     for stem in STEMS:
         if stem in _ALWAYS:
-            drawn[stem] = partial(_ALWAYS[stem], results)
+            # Raw readings in another unit are not called volts, here as in the datasets.
+            name = stem.replace("volts", results.setup.facts.raw_unit.variable)
+            drawn[name] = partial(_ALWAYS[stem], results)
         elif stem in _WITH_AXES:
             if results.axes is None:
                 left_out[stem] = "a unit of one or two gyros gives no x, y, z"

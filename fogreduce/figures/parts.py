@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from fogreduce.figures import style
 from fogreduce.figures.results import Results
+from fogreduce.physics.raw_quantity import RawUnit
 from fogreduce.stages.angles import channel_of
 
 Array = NDArray[np.float64]
@@ -92,9 +93,9 @@ def plain(value: float) -> str:
     return f"{value:,.0f}" if 100 <= abs(value) < 1e9 else f"{value:.3g}"
 
 
-def volts(value: float) -> str:
-    """A voltage [V] in the unit in which it reads well."""
-    scale, unit = volt_unit(abs(value))
+def with_unit(raw_unit: RawUnit, value: float) -> str:
+    """A raw reading in the unit in which it reads well."""
+    scale, unit = prefixed(raw_unit, abs(value))
     return f"{plain(value * scale)} {unit}"
 
 
@@ -106,9 +107,11 @@ def plus_minus(value: float, error: float) -> str:
     return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
-def volt_unit(largest: float) -> tuple[float, str]:
-    """Factor and unit in which voltages up to `largest` [V] read well."""
-    for scale, unit in ((1.0, "V"), (1e3, "mV")):
+def prefixed(raw_unit: RawUnit, largest: float) -> tuple[float, str]:
+    """Factor and unit in which raw readings up to `largest` [raw unit] read well."""
+    if raw_unit.name == "count":
+        return 1.0, "counts"
+    for scale, prefix in ((1.0, ""), (1e3, "m")):
         if largest * scale >= 1:
-            return scale, unit
-    return 1e6, "µV"
+            return scale, prefix + raw_unit.name
+    return 1e6, "µ" + raw_unit.name

@@ -22,8 +22,14 @@ _REACH = 1.5  # bins are means without spurious samples: more of them is worth s
 
 
 def draw_gyros(results: Results) -> Figure:
-    """A panel a gyro, microvolts."""
-    return _draw(results, results.gyros, "Residuals of the gyros: bins less the fitted curve", 1e6, "µV")
+    """A panel a gyro, in microvolts or in what reads well of another raw unit."""
+    gyros, raw_unit = results.gyros, results.setup.facts.raw_unit
+    largest = 0.0
+    if raw_unit.name != "V":
+        left = np.abs([residuals(results, gyros, k) for k in range(len(gyros.names))])
+        largest = float(np.max(left, where=np.isfinite(left), initial=0.0))
+    title = "Residuals of the gyros: bins less the fitted curve"
+    return _draw(results, gyros, title, *parts.prefixed(raw_unit, largest))
 
 
 def draw_axes(results: Results) -> Figure:

@@ -25,7 +25,7 @@ _KINDS = ("mean", "lowest", "highest", "count")
 
 @dataclass(frozen=True)
 class Family:
-    """Bins of several channels of one kind: gyros [V] or axes [deg/s]; arrays are (channels, m)."""
+    """Bins of several channels of one kind: gyros [raw unit] or axes [deg/s]; arrays are (channels, m)."""
 
     names: list[str]
     time_s: Array
@@ -68,7 +68,8 @@ class Results:
         """From a results folder; BadInput where a part is missing or belongs to another version."""
         setup = Setup.read(out)
         with StageDataset(setup, "bins") as source:
-            families = [("volts", setup.gyros)] + ([("axis_rate", setup.axes)] if setup.axes else [])
+            families = [(setup.facts.raw_unit.variable, setup.gyros)]
+            families += [("axis_rate", setup.axes)] if setup.axes else []
             names = [f"{family}_{kind}" for family, _ in families for kind in _KINDS]
             parts = [part for _, part in source.blocks(["time", *names])]
         data = {name: np.concatenate([part[name] for part in parts], axis=-1) for name in parts[0]}
@@ -83,7 +84,7 @@ class Results:
             made[1] if setup.axes else None,
             _report(setup, "fit"),
             _report(setup, "ingest"),
-            read_rows(setup.out, "drift", setup.version_id),
+            read_rows(setup.out, "drift", setup.version_id, setup.facts.raw_unit),
         )
 
     @property

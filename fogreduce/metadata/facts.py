@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fogreduce.physics.alignment import gyro_axes
 from fogreduce.physics.earth_rate import EarthPart
 from fogreduce.physics.frames import AXES, unit_from_enu
-from fogreduce.physics.raw_quantity import INCREMENTS, RawUnit, unit_in_use
+from fogreduce.physics.raw_quantity import INCREMENTS, RawUnit, unit_of_capture
 from fogreduce.physics.table_motion import Profile
 from fogreduce.units import microseconds_since_1970
 
@@ -79,8 +79,7 @@ class RunFacts:
     def of(cls, run: Mapping[str, Any], calibration: Mapping[str, Any]) -> RunFacts:
         """From run.yaml and calibration record as plain, validated data (``model_dump(mode="json")``)."""
         capture, table = run["capture"], run["table"]
-        captured_in = capture.get("raw_unit", "V")
-        raw_unit = unit_in_use(captured_in)
+        raw_unit = unit_of_capture(capture)
         projection = np.array(calibration["H"], float) if calibration.get("H") is not None else None
         axes = gyro_axes(projection) if projection is not None else np.array(calibration["axes"], float)
         steps = table["profile"]
@@ -92,7 +91,7 @@ class RunFacts:
             start_us=microseconds_since_1970(datetime.fromisoformat(run["started_at"])),
             sample_rate_hz=float(capture["sample_rate_hz"]),
             raw_unit=raw_unit,
-            is_increment=captured_in in INCREMENTS,
+            is_increment=capture.get("raw_unit") in INCREMENTS,
             capture_least_count=float(capture.get("volts_per_count") or capture.get("least_count") or 1.0),
             latitude_deg=float(run["site"]["latitude_deg"]),
             scale_factor=np.array(calibration[raw_unit.scale_factor_key], float),

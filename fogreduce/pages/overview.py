@@ -18,7 +18,7 @@ from fogreduce.archive.records import read_manifest, read_record
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.errors import BadInput
 from fogreduce.estimate.mean_curve import integral_terms
-from fogreduce.physics.raw_quantity import unit_in_use
+from fogreduce.physics.raw_quantity import unit_of_capture
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 OVERVIEW = "reports/overview.json"
@@ -51,11 +51,11 @@ def overview(folder: Path) -> dict[str, Any]:
     fit = report(folder, "fit", version)
     ingest = report(folder, "ingest", version)
     profile = run["table"]["profile"]
-    raw_unit = unit_in_use(run["capture"].get("raw_unit", "V"))
+    raw_unit = unit_of_capture(run["capture"])
     flagged = {name: int(ingest[name] or 0) for name in ("lost", "torn_bytes")}
     flagged |= {name: int(value) for name, value in ingest["flagged"].items()}
     flagged["unstable_intervals"] = len(fit["unstable"])
-    drift = {name: read_rows(folder, name, version) for name in COLUMNS}["drift"]
+    drift = {name: read_rows(folder, name, version, raw_unit) for name in COLUMNS}["drift"]
     return {
         "schema": SCHEMA,
         "version_id": version,

@@ -11,7 +11,7 @@ from fogreduce.pages import svg
 from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
 from fogreduce.pages.overview import overview, real, report
 from fogreduce.pages.render import Crumb, page
-from fogreduce.physics.raw_quantity import unit_in_use
+from fogreduce.physics.raw_quantity import unit_of_capture
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.
@@ -21,6 +21,7 @@ _TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 #: Figure -> what it shows, for who cannot see it too.
 FIGURES = {
     "gyro_volts": "Output of each gyro in volts over the run, with the fitted mean curve",
+    "gyro_raw": "Output of each gyro over the run, with the fitted mean curve",
     "rates": "Rates about x, y and z over the run, with the fitted mean curve",
     "angles": "Angles about x, y and z, integrated, beside the commanded ones",
     "residuals_gyros": "What the mean curve leaves of each gyro, over the run",
@@ -61,9 +62,9 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         A part is missing or of another version than the manifest.
     """
     manifest = read_manifest(folder)
-    version = manifest.version_id
+    version, raw_unit = manifest.version_id, unit_of_capture(manifest.run["capture"])
     seen = overview(folder) if seen is None else seen
-    tables = {name: read_rows(folder, name, version) for name in COLUMNS}
+    tables = {name: read_rows(folder, name, version, raw_unit) for name in COLUMNS}
     figures, linked, left_out = _figures(folder, version)
     context = {
         "run": seen,
@@ -75,7 +76,8 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "places": _places(folder, version),
         "unstable": tables["unstable"],
         "rate_fit": _fit_rows(tables["rate_fit"], "axis", "deg_s", "deg_s2"),
-        "gyro_fit": _fit_rows(tables["gyro_fit"], "gyro", "V", "V_s"),
+        "gyro_fit": _fit_rows(tables["gyro_fit"], "gyro", raw_unit.suffix, raw_unit.slope_suffix),
+        "raw_unit": raw_unit,
         "noise": seen["noise"],
         "encoder": _encoder_rows(tables["encoder"]),
         "figures": figures,
@@ -244,7 +246,7 @@ def _figures(folder: Path, version: str) -> tuple[list[dict[str, str]], list[str
 
 def _calibration(manifest: Manifest) -> list[tuple[str, str]]:
     record = manifest.calibration_record
-    raw_unit = unit_in_use(manifest.run["capture"].get("raw_unit", "V"))
+    raw_unit = unit_of_capture(manifest.run["capture"])
     until = record.get("valid_until")
     valid = f"from {started(str(record.get('valid_from')))}" + (
         f" until {started(str(until))}" if until else ""

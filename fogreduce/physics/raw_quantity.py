@@ -7,8 +7,12 @@ unit in use is that of the rate. All other units are in use as they are captured
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
 
 RawUnitName = Literal["V", "count", "deg/s", "deg/h", "rad/s", "deg", "rad"]
 
@@ -19,12 +23,12 @@ class RawUnit:
 
     Attributes
     ----------
-    name : str
-        As run.yaml has it, and figures and pages name it.
+    name, slope_name : str
+        As run.yaml, figures and pages have it; of a reading, and of a reading a second.
     suffix, slope_suffix : str
-        In names of columns and keys: of a reading, and of a reading a second.
+        The same in names of columns and keys.
     quantity : str
-        What is read, in words.
+        What is read, in words, as a plural.
     variable, cf : str
         Name of the raw readings in datasets, and their unit there (CF conventions, UDUNITS).
     per_deg_s : float or None
@@ -32,6 +36,7 @@ class RawUnit:
     """
 
     name: RawUnitName
+    slope_name: str
     suffix: str
     slope_suffix: str
     quantity: str
@@ -53,17 +58,35 @@ class RawUnit:
 UNITS_IN_USE: dict[RawUnitName, RawUnit] = {
     unit.name: unit
     for unit in (
-        RawUnit("V", "V", "V_s", "volts", "volts", "V", None),
-        RawUnit("count", "count", "count_s", "counts", "raw", "1", None),
-        RawUnit("deg/s", "deg_s", "deg_s2", "rate", "raw", "degree s-1", 1.0),
-        RawUnit("deg/h", "deg_h", "deg_h_s", "rate", "raw", "degree hour-1", 3600.0),
-        RawUnit("rad/s", "rad_s", "rad_s2", "rate", "raw", "radian s-1", math.radians(1.0)),
+        RawUnit("V", "V/s", "V", "V_s", "volts", "volts", "V", None),
+        RawUnit("count", "count/s", "count", "count_s", "counts", "raw", "1", None),
+        RawUnit("deg/s", "deg/s²", "deg_s", "deg_s2", "rates", "raw", "degree s-1", 1.0),
+        RawUnit("deg/h", "deg/h/s", "deg_h", "deg_h_s", "rates", "raw", "degree hour-1", 3600.0),
+        RawUnit("rad/s", "rad/s²", "rad_s", "rad_s2", "rates", "raw", "radian s-1", math.radians(1.0)),
     )
 }
 #: Unit of an angle increment over a sample -> unit in use.
 INCREMENTS: dict[RawUnitName, RawUnitName] = {"deg": "deg/s", "rad": "rad/s"}
 
 RAW_UNITS: tuple[RawUnitName, ...] = get_args(RawUnitName)
+
+
+def rate_from_increment(increment: NDArray[np.float64], interval_s: float) -> NDArray[np.float64]:
+    """Mean rates over samples [deg/s or rad/s] from angle increments over them [deg or rad].
+
+    Parameters
+    ----------
+    increment : array
+        NaN where a gyro did not answer.
+    interval_s : float
+        Between two samples [s]; a sample's increment is over its own, whatever was lost before it.
+    """
+    return increment / interval_s
+
+
+def unit_of_capture(capture: Mapping[str, Any]) -> RawUnit:
+    """The unit in use of a capture, from run.yaml's `capture` as plain, validated data."""
+    return unit_in_use(capture.get("raw_unit", "V"))
 
 
 def unit_in_use(name: RawUnitName) -> RawUnit:

@@ -41,6 +41,7 @@ class StageDataset:
     def __init__(self, setup: Setup, stage: str) -> None:
         self.path = setup.dataset(stage)
         self._size = setup.block_records
+        self._raw = setup.facts.raw_unit.variable
         try:
             self._file = h5py.File(self.path, "r")
         except _DAMAGED as error:
@@ -53,7 +54,7 @@ class StageDataset:
                 expected = f"{setup.version_id}, as the manifest has it"
                 raise BadInput.at(self.path, "version_id", found=_shown(found_id), expected=expected)
             self._sizes = {"gyro": setup.facts.n_gyros, "axis": 3, "time": self._length()}
-            has_counts = stage == "ingest" and self._found("volts").dtype == np.int32
+            has_counts = stage == "ingest" and self._found(self._raw).dtype == np.int32
             self._expected = variables_of(stage, setup.facts, has_counts=has_counts)
             # All of them, before anything is made in the size that one of them claims.
             self._variables = {
@@ -77,8 +78,8 @@ class StageDataset:
         self._file.close()
 
     def has_counts(self) -> bool:
-        """Whether raw volts are packed counts."""
-        return bool(np.dtype(self._expected["volts"].dtype) == np.int32)
+        """Whether raw readings are packed counts."""
+        return bool(np.dtype(self._expected[self._raw].dtype) == np.int32)
 
     def blocks(self, names: Sequence[str]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
         """Index of the first record, and the named variables' values, block by block."""

@@ -64,11 +64,11 @@ def write_logs(writer: DatasetWriter, logs: Logs) -> None:
         writer.write(name, 0, values)
 
 
-def write_ingest(writer: DatasetWriter, block: Block) -> None:
-    """A block as ingest leaves it."""
+def write_ingest(writer: DatasetWriter, block: Block, raw_variable: str) -> None:
+    """A block as ingest leaves it; `raw_variable` names the readings."""
     writer.write("time", block.start, block.time_us)
     writer.write("pulse", block.start, block.pulse)
-    writer.write("volts", block.start, block.raw if block.counts is None else block.counts)
+    writer.write(raw_variable, block.start, block.raw if block.counts is None else block.counts)
     writer.write("flag", block.start, block.flag)
     writer.write("gyro_flag", block.start, block.gyro_flag)
 
@@ -102,7 +102,7 @@ def write_bins(setup: Setup, bins: Bins) -> None:
     if setup.axes:
         sizes["axis"], coordinates["axis"] = 3, setup.axes
     variables = templates.bin_variables(setup.facts)
-    channels = {"volts": slice(0, n), "axis_rate": slice(n, n + 3)}
+    channels = {setup.facts.raw_unit.variable: slice(0, n), "axis_rate": slice(n, n + 3)}
     with DatasetWriter(
         setup.dataset("bins"), sizes, coordinates, variables, setup.attributes, setup.storage
     ) as writer:

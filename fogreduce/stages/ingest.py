@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from fogreduce.estimate.outliers import CONTEXT, OutlierSearch
 from fogreduce.estimate.sequence import SequenceCheck
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.quantization import raw_from_counts
+from fogreduce.physics.raw_quantity import rate_from_increment
 
 NAME = "ingest"
 
@@ -51,7 +52,7 @@ class Ingest:
 
     def blocks(self, reader: Reader, size: int) -> Iterator[Block]:
         """The capture's records with their flags, `size` at a time."""
-        raw = reader.blocks(size)
+        raw = map(self._in_use, reader.blocks(size))
         before: Values | None = None
         current = next(raw, None)
         values = None if current is None else self._prepared(current)
@@ -66,6 +67,21 @@ class Ingest:
             yield self._block(reader, current, missing, spurious)
             before = filled[:, -CONTEXT:]
             current, values = following, following_values
+
+    @property
+    def interval_s(self) -> float:
+        """Time over which a sample's angle increment goes [s]."""
+        return 1.0 / self.facts.sample_rate_hz
+
+    def _in_use(self, raw: RawBlock) -> RawBlock:
+        """Readings in the raw unit in use: angle increments become rates."""
+        if not self.facts.is_increment:
+            return raw
+        increment = raw.values
+        if raw.counts is not None:
+            increment = raw_from_counts(raw.counts, self.facts.capture_least_count)
+        assert increment is not None
+        return replace(raw, counts=None, values=rate_from_increment(increment, self.interval_s))
 
     def _prepared(self, raw: RawBlock) -> tuple[Values, NDArray[np.bool_] | None]:
         """Values with the missing ones filled from their neighbours, and which were missing (None: none)."""

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from fogreduce.errors import BadInput
+from fogreduce.physics.raw_quantity import RawUnit
 from fogreduce.stages import encoder
 from fogreduce.stages.drift import DRIFT_COLUMNS
-from fogreduce.stages.tables import GYRO_FIT_COLUMNS, RATE_FIT_COLUMNS
+from fogreduce.stages.tables import RATE_FIT_COLUMNS, gyro_fit_columns
 
-#: Table -> its columns; a later version may have more.
-COLUMNS: Mapping[str, Sequence[str]] = {
-    "quality": ("what", "count", "version_id"),
-    "encoder": encoder.COLUMNS,
-    "gyro_fit": GYRO_FIT_COLUMNS,
-    "rate_fit": RATE_FIT_COLUMNS,
-    "unstable": ("gyro", "start_s", "stop_s", "noise_ratio", "version_id"),
-    "drift": DRIFT_COLUMNS,
+#: Table -> its columns, which may depend on the unit of raw readings; a later version may have more.
+COLUMNS: Mapping[str, Callable[[RawUnit], Sequence[str]]] = {
+    "quality": lambda _: ("what", "count", "version_id"),
+    "encoder": lambda _: encoder.COLUMNS,
+    "gyro_fit": gyro_fit_columns,
+    "rate_fit": lambda _: RATE_FIT_COLUMNS,
+    "unstable": lambda _: ("gyro", "start_s", "stop_s", "noise_ratio", "version_id"),
+    "drift": lambda _: DRIFT_COLUMNS,
 }
 #: Tables that have a row of every run.
 _NEVER_EMPTY = ("quality", "gyro_fit")
@@ -28,7 +29,7 @@ _NUMBERS = ("duration_s", "nominal_deg")
 Row = dict[str, str]
 
 
-def read_rows(results: Path, name: str, version_id: str) -> list[Row]:
+def read_rows(results: Path, name: str, version_id: str, raw_unit: RawUnit) -> list[Row]:
     """Rows of a table, as text by column.
 
     Parameters
@@ -39,6 +40,8 @@ def read_rows(results: Path, name: str, version_id: str) -> list[Row]:
         A key of `COLUMNS`.
     version_id : str
         The manifest's.
+    raw_unit : RawUnit
+        Of the run's raw readings.
 
     Raises
     ------
@@ -54,7 +57,7 @@ def read_rows(results: Path, name: str, version_id: str) -> list[Row]:
     except (OSError, ValueError, csv.Error) as error:
         raise BadInput.at(path, "", found=error, expected="a table of the reduction") from None
     header = lines[0] if lines else []
-    if missing := [column for column in COLUMNS[name] if column not in header]:
+    if missing := [column for column in COLUMNS[name](raw_unit) if column not in header]:
         raise BadInput.at(path, "line 1", found=",".join(header)[:80], expected=f"the column {missing[0]}")
     if len(lines) < 2 and name in _NEVER_EMPTY:
         raise BadInput.at(path, "line 2", found="no row", expected="at least one")

@@ -69,7 +69,7 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
         # The fit goes on in a thread of its own while the next block is read, judged and projected.
         fitting = stack.enter_context(Worker(_BLOCKS_AHEAD))
         for block in ingest.blocks(reader, setup.block_records):
-            write_ingest(raw, block)
+            write_ingest(raw, block, facts.raw_unit.variable)
             gyro_rates = calibrate(facts, block.raw)
             write_gyro_rates(gyro, block, gyro_rates)
             time_s = seconds(block.time_us)
@@ -92,7 +92,7 @@ def run_ingest(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
     ingest = Ingest(setup.facts, setup.parameters["outliers"]["threshold_sigma"])
     with _ingest_writer(setup, run_dir, reader) as writer:
         for block in ingest.blocks(reader, setup.block_records):
-            write_ingest(writer, block)
+            write_ingest(writer, block, setup.facts.raw_unit.variable)
             progress(block.start + block.time_us.size)
     _finish_ingest(setup, run_dir, ingest, reader)
 
@@ -215,8 +215,9 @@ def _read_logs(setup: Setup, run_dir: Path) -> Logs:
 def _ingested(setup: Setup, source: StageDataset) -> Iterator[Block]:
     """The blocks that ingest wrote."""
     has_counts = source.has_counts()
-    for start, part in source.blocks(("time", "pulse", "volts", "flag", "gyro_flag")):
-        held = part["volts"]
+    variable = setup.facts.raw_unit.variable
+    for start, part in source.blocks(("time", "pulse", variable, "flag", "gyro_flag")):
+        held = part[variable]
         raw = raw_from_counts(held, setup.facts.least_count) if has_counts else held
         counts = held if has_counts else None
         yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, raw)
@@ -256,7 +257,7 @@ def _finish_fit(setup: Setup, fit: Fit) -> None:
     write_json(setup.out / "reports" / "fit.json", fits)
     version = setup.version_id
     gyro_rows = tables.fit_rows(fits, setup.gyros, ("coloured",), version)
-    tables.write_table(setup.table("gyro_fit"), tables.GYRO_FIT_COLUMNS, gyro_rows)
+    tables.write_table(setup.table("gyro_fit"), tables.gyro_fit_columns(setup.facts.raw_unit), gyro_rows)
     rate_rows = tables.fit_rows(fits, setup.axes, ("coloured", "stated"), version)
     tables.write_table(setup.table("rate_fit"), tables.RATE_FIT_COLUMNS, rate_rows)
     tables.write_table(

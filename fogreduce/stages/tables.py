@@ -11,26 +11,27 @@ import numpy as np
 
 from fogreduce.datasets.atomic import write_text
 from fogreduce.estimate.mean_curve import amplitude_and_phase
+from fogreduce.physics.raw_quantity import RawUnit
 
-GYRO_FIT = "gyro,a_V,a_err_V,b_V,b_err_V,c_rad_s,d_rad,d_err_rad,e_V_s,e_err_V_s,sigma_V,records"
-RATE_FIT = (
-    "axis,a_deg_s,a_err_deg_s,b_deg_s,b_err_deg_s,c_rad_s,d_rad,d_err_rad,e_deg_s2,e_err_deg_s2,"
-    "sigma_deg_s,records"
-)
+_FIT = "a_{u},a_err_{u},b_{u},b_err_{u},c_rad_s,d_rad,d_err_rad,e_{ut},e_err_{ut},sigma_{u},records"
 #: Further columns: errors by other accounts, and where the row belongs.
 _FURTHER = "a_err_{by}_{u},b_err_{by}_{u},d_err_{by}_rad,e_err_{by}_{ut}"
 _PLACE = "segment,start_s,stop_s,table_rate_deg_s,version_id"
-GYRO_FIT_COLUMNS = [
-    *GYRO_FIT.split(","),
-    *_FURTHER.format(by="coloured", u="V", ut="V_s").split(","),
-    *_PLACE.split(","),
-]
-RATE_FIT_COLUMNS = [
-    *RATE_FIT.split(","),
-    *_FURTHER.format(by="coloured", u="deg_s", ut="deg_s2").split(","),
-    *_FURTHER.format(by="stated", u="deg_s", ut="deg_s2").split(","),
-    *_PLACE.split(","),
-]
+
+
+def _fit_columns(channel: str, u: str, ut: str, accounts: Sequence[str]) -> list[str]:
+    """Columns of a table of mean curves: of values in a unit `u`, of their slopes in `ut`."""
+    parts = [channel, _FIT.format(u=u, ut=ut)]
+    parts += [_FURTHER.format(by=account, u=u, ut=ut) for account in accounts]
+    return ",".join([*parts, _PLACE]).split(",")
+
+
+def gyro_fit_columns(raw_unit: RawUnit) -> list[str]:
+    """Columns of gyro_fit.csv, whose curves are fitted to raw readings."""
+    return _fit_columns("gyro", raw_unit.suffix, raw_unit.slope_suffix, ["coloured"])
+
+
+RATE_FIT_COLUMNS = _fit_columns("axis", "deg_s", "deg_s2", ["coloured", "stated"])
 
 Cell = str | int | float | None
 

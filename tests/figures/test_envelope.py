@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fogreduce.figures import gyro_volts, style
+from fogreduce.figures import gyro_raw, style
 from fogreduce.figures.envelope import MOST_COLUMNS, bulk_range, columns_of, thin_line
 
 from .conftest import SPIKES
@@ -81,7 +81,7 @@ def test_range_of_nothing_and_of_a_constant():
 
 def test_spikes_are_marked_and_counted(results):
     run = results("spiked")
-    figure = gyro_volts.draw(run)
+    figure = gyro_raw.draw(run)
     for gyro, axes in enumerate(figure.axes):
         low, high = axes.get_ylim()
         assert high - low < 100  # mV: the spikes reach to 9 V
@@ -102,7 +102,7 @@ def test_spikes_are_marked_and_counted(results):
 
 def test_the_band_reaches_past_the_edge_at_a_spike(results):
     run = results("spiked")
-    axes = gyro_volts.draw(run).axes[1]
+    axes = gyro_raw.draw(run).axes[1]
     (band,) = axes.collections
     points = np.concatenate([path.vertices for path in band.get_paths()])
     low, high = axes.get_ylim()

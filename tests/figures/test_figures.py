@@ -19,7 +19,7 @@ from fogreduce.figures import (
     flags,
     frames,
     gyro_axes,
-    gyro_volts,
+    gyro_raw,
     published_drift,
     rates,
     residuals,
@@ -148,7 +148,7 @@ def test_unstable_intervals_are_shaded(results):
             if patch.get_facecolor()[:3] == pytest.approx((0xF4 / 255, 0xE3 / 255, 0xAE / 255))
         ]
 
-    volts = gyro_volts.draw(changed)
+    volts = gyro_raw.draw(changed)
     assert [shaded(axes) for axes in volts.axes] == [[], [(100, 150)], [(140, 170)], []]
     assert [shaded(axes) for axes in rates.draw(changed).axes] == [[(100, 170)]] * 3
     assert "unstable" in [text.get_text() for text in volts.legends[0].texts]
@@ -231,21 +231,21 @@ def test_a_gyro_that_never_answered_leaves_its_panels_empty(results):
     without = [None if item["channel"] == "gyro3" else item for item in run.segments[0]["channels"]]
     fits = dict(run.fits) | {"segments": [dict(run.segments[0]) | {"channels": without}]}
     changed = dataclasses.replace(run, gyros=silent, fits=fits)
-    for draw in (gyro_volts.draw, residuals.draw_gyros):
+    for draw in (gyro_raw.draw, residuals.draw_gyros):
         said = [[text.get_text() for text in axes.texts] for axes in draw(changed).axes]
         assert [bool(texts) for texts in said] == [False, False, True, False]
         assert said[2][0].startswith("no ")
     legend = [text.get_text() for text in allan.draw(changed).axes[0].get_legend().texts]
     assert legend == ["gyro1", "gyro2", "gyro3: too few bins", "gyro4"]
     # The silent gyro's panel does not change the others' unit.
-    assert gyro_volts.draw(changed).axes[0].get_ylabel() == gyro_volts.draw(run).axes[0].get_ylabel()
+    assert gyro_raw.draw(changed).axes[0].get_ylabel() == gyro_raw.draw(run).axes[0].get_ylabel()
 
 
 def test_a_capture_that_ends_early_has_no_curve_beyond_its_end(results):
     run = results("spiked")
     cut = {name: getattr(run.gyros, name)[..., :100] for name in ("time_s", *BINS)}
     changed = dataclasses.replace(run, gyros=dataclasses.replace(run.gyros, **cut))
-    for axes in gyro_volts.draw(changed).axes:
+    for axes in gyro_raw.draw(changed).axes:
         time_s, _ = line(axes, style.CURVE)
         assert time_s.max() <= cut["time_s"][-1] + run.bin_s
 

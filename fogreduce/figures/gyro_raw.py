@@ -1,4 +1,4 @@
-"""Each gyro's raw volts with its mean curve (the paper's figures 3 to 6)."""
+"""Each gyro's raw readings with its mean curve (the paper's figures 3 to 6)."""
 
 from __future__ import annotations
 
@@ -14,18 +14,22 @@ from fogreduce.stages.angles import fitted_curve
 
 def draw(results: Results) -> Figure:
     """A panel a gyro: lowest to highest sample, means of bins, fitted curve, unstable intervals."""
-    gyros = results.gyros
-    figure, rows = style.panels(
-        results.identity, "Raw volts of the gyros and their mean curves", len(gyros.names), 1.45
-    )
+    gyros, raw_unit = results.gyros, results.setup.facts.raw_unit
+    title = f"Raw {raw_unit.quantity} of the gyros and their mean curves"
+    figure, rows = style.panels(results.identity, title, len(gyros.names), 1.45)
     drawn = [
         parts.curves(results, name, lambda segment, item, time_s: fitted_curve(item, time_s))
         for name in gyros.names
     ]
     ranges = [bulk_range(gyros.lowest[k], gyros.highest[k], values) for k, (_, values) in enumerate(drawn)]
     answered = [bool(np.isfinite(mean).any()) for mean in gyros.mean]
-    scale, unit = parts.volt_unit(float(np.max(np.abs(ranges)[answered], initial=0.0)))
+    largest = float(np.max(np.abs(ranges)[answered], initial=0.0))
+    scale, unit = parts.prefixed(raw_unit, largest)
     unstable = False
+
+    def quantity(value: float) -> str:
+        return parts.with_unit(raw_unit, value)
+
     for k, (name, (axes,)) in enumerate(zip(gyros.names, rows, strict=True)):
         axes.set_ylim(ranges[k][0] * scale, ranges[k][1] * scale)
         columns = gyros.columns(k)
@@ -33,9 +37,9 @@ def draw(results: Results) -> Figure:
         draw_band(axes, columns, scale)
         axes.plot(drawn[k][0], drawn[k][1] * scale, color=style.CURVE, linewidth=2.6)
         axes.set_title(name)
-        beyond = mark_beyond(axes, columns, gyros.lowest[k], gyros.highest[k], scale, parts.volts)
+        beyond = mark_beyond(axes, columns, gyros.lowest[k], gyros.highest[k], scale, quantity)
         style.note(axes, beyond, style.SPIKE)
-        axes.set_ylabel(f"volts [{unit}]")
+        axes.set_ylabel(f"{raw_unit.quantity} [{unit}]")
         if not answered[k]:
             style.say_empty(axes, "no usable values")
     last = rows[-1][0]
