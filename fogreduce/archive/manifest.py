@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from fogreduce.archive.code import code_digest
 from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest, file_digest
 from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
+from fogreduce.metadata.assumed import assumed_of_record, assumed_of_run
 from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.folder import cross_check, load_calibration, load_campaign, load_run
 
@@ -63,6 +65,7 @@ def manifest(run_dir: Path, calibrations_dir: Path, parameters: Mapping[str, Any
         "run": run.model_dump(mode="json", exclude_none=True),
         "calibration_record": record.model_dump(mode="json", exclude_none=True),
         "stated_uncertainty": record.stated_uncertainty.model_dump(mode="json"),
+        "assumed": [asdict(item) for item in assumed_of_record(record) + assumed_of_run(run)],
     }
     return {"schema": MANIFEST_SCHEMA, "version_id": data_digest(body)[:VERSION_ID_DIGITS], **body}
 

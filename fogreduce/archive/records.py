@@ -63,6 +63,15 @@ class CalibrationUsed(_Open):
     sha256: Sha256
 
 
+class AssumedValue(_Open):
+    """A value that nobody stated; see `fogreduce.metadata.assumed`."""
+
+    file: str
+    key: str
+    value: float
+    said: str
+
+
 class Manifest(_Open):
     """manifest.json, as far as the archive relies on it."""
 
@@ -76,6 +85,7 @@ class Manifest(_Open):
     parameters: dict[str, Any]
     run: dict[str, Any]
     calibration_record: dict[str, Any]
+    assumed: Annotated[list[AssumedValue], Field(strict=False)] = Field(default_factory=list)
 
 
 def parse_json(raw: bytes, file: object) -> dict[str, Any]:

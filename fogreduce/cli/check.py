@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from fogreduce.cli.assumed import assumed_lines
 from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput, Fault
 
@@ -36,6 +37,8 @@ def run(args: argparse.Namespace) -> int:
     if faults:
         raise BadInput(*dict.fromkeys(faults))  # a record's faults come up once for every run that names it
     print(f"{args.path}: no faults; {summary}")
+    for line in assumed_lines(args.path, args.calibrations):
+        print(f"  {line}")
     return 0
 
 

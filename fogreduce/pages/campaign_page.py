@@ -50,6 +50,7 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
         "rows": rows,
         "tables": tables if 1 < len(tables) <= _MOST_CHOICES else [],
         "versions": _versions(gathered.reduced),
+        "assumed": _assumed(gathered.reduced),
     }
     label = gathered.about.label or _one_label(gathered.reduced)
     crumbs = [Crumb("All campaigns", "../index.html")]
@@ -77,6 +78,17 @@ def _facts(gathered: Gathered) -> list[tuple[str, str]]:
         ("Operator", gathered.about.operator or ""),
     ]
     return [(name, value) for name, value in pairs if value]
+
+
+def _assumed(reduced: Sequence[Entry]) -> list[tuple[str, str, str, int]]:
+    """Values that nobody stated: where, key, what is assumed, and in how many runs."""
+    counted = Counter(
+        (item["file"], item["key"], item["said"])
+        for entry in reduced
+        if entry.overview
+        for item in entry.overview.get("assumed", ())
+    )
+    return [(*item, times) for item, times in counted.items()]
 
 
 def _several(names: Any) -> str:

@@ -39,7 +39,7 @@ def overview(folder: Path) -> dict[str, Any]:
         Plain data. ``drift``, ``offset`` (mean rate less commanded): axis -> ``value``, ``error`` (standard
         error of the noise that the residuals show), ``stated`` [deg/h]. ``noise``: gyro -> angle random walk
         [deg/sqrt(h)]. ``temperature``: of the sensors, ``mean``, ``low``, ``high`` [degC]; None: no log.
-        ``flagged``: kind -> number, none of them 0.
+        ``flagged``: kind -> number, none of them 0. ``assumed``: values that nobody stated.
 
     Raises
     ------
@@ -77,6 +77,7 @@ def overview(folder: Path) -> dict[str, Any]:
         "offset": _offset(fit, drift),
         "noise": _noise(fit, manifest.calibration_record[raw_unit.scale_factor_key]),
         "temperature": _temperature(folder),
+        "assumed": [item.model_dump() for item in manifest.assumed],
     }
 
 

@@ -84,6 +84,7 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "linked": linked,
         "left_out": left_out,
         "calibration": _calibration(manifest),
+        "assumed": manifest.assumed,
         "parameters": list(_flat(manifest.parameters)),
         "inputs": manifest.inputs,
         "software": manifest.software,

@@ -40,6 +40,12 @@ def test_runs_stand_side_by_side_in_order_of_date(page_of_lab) -> None:
         assert words in said
 
 
+def test_what_nobody_stated_is_listed_as_assumed(page_of_lab) -> None:
+    page = html_checks.check(page_of_lab.read_text(), scripts=1)
+    for words in ("what stands in for it", "uncertainty.bias_V", "1 deg/h", "site.latitude_uncertainty_deg"):
+        assert words in page.words
+
+
 def test_a_run_that_failed_is_there_with_its_reason(page_of_lab) -> None:
     page = html_checks.check(page_of_lab.read_text(), scripts=1)
     assert page.words.count("capture.fogcap: byte 0: found") == 2

@@ -44,6 +44,17 @@ def test_names_are_text_and_nothing_else(lab) -> None:
     assert "<img src=x" not in text
 
 
+def test_what_nobody_stated_is_listed_as_assumed(lab) -> None:
+    folder = lab.run("r1")
+    page = html_checks.check((folder / "index.html").read_text(), scripts=0)
+    assumed = json.loads((folder / "manifest.json").read_text())["assumed"]
+    assert len(assumed) == 10
+    assert "what stands in for it" in page.words
+    for item in assumed:
+        assert item["key"] in page.words
+        assert item["said"] in page.words
+
+
 def test_its_drift_is_that_of_the_table(lab) -> None:
     folder = lab.run("r1")
     with (folder / "tables" / "drift.csv").open() as file:
