@@ -15,7 +15,7 @@ LAYERS = [
     {"constants", "units", "errors"},
     {"physics"},
     {"metadata", "datasets", "estimate", "effects"},
-    {"stages", "simulate", "gap", "archive", "figures", "pages"},
+    {"stages", "simulate", "gap", "archive", "figures", "pages", "calibrate"},
     {"cli", "warm"},
 ]
 

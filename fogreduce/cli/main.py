@@ -22,6 +22,7 @@ COMMANDS = {
     "reduce": ("reduce", "reduce one run, all stages in one process"),
     "simulate": ("simulate", "predict the captures of a campaign"),
     "diagnose": ("diagnose", "say where, why and how far a campaign departs from its prediction"),
+    "derive-calibration": ("derive_calibration", "derive a calibration record from a campaign"),
     "manifest": ("manifest", "write the manifest of a run (a node of the workflow)"),
     "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
     "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),

@@ -94,8 +94,8 @@ def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
     """
     assert facts.projection is not None
     n = facts.n_gyros
-    axis_rates = _axis_rates(facts, time_s)
-    readings = gyro_rates_from_axis_rates(axis_rates, facts.axes)
+    motion = axis_rates(facts, time_s)
+    readings = gyro_rates_from_axis_rates(motion, facts.axes)
     one = np.ones_like(time_s)
     found = []
     for i in range(n):
@@ -103,7 +103,7 @@ def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
         alone = [
             stated.scale_factor_rel[i] * readings[i],
             stated.bias[i] / facts.scale_factor[i] * one,
-            *(stated.axis_rad[i] * (direction @ axis_rates) for direction in directions),
+            *(stated.axis_rad[i] * (direction @ motion) for direction in directions),
             stated.turn_on_bias_deg_h[i] / SECONDS_PER_HOUR * one,
         ]
         for added in alone:
@@ -111,10 +111,31 @@ def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
             departure[i] = added
             found.append(axis_rates_from_gyro_rates(departure, facts.projection))
     # The true motion differs; gyros and reduction are nominal, so H G = 1 passes it on as it is.
-    for change in (_azimuth(stated), _latitude(stated), _table_rate(stated)):
-        high, low = (_axis_rates(change(facts, sign), time_s) for sign in (1.0, -1.0))
-        through = gyro_rates_from_axis_rates((high - low) / 2, facts.axes)
+    for change in motion_departures(facts, stated, time_s):
+        through = gyro_rates_from_axis_rates(change, facts.axes)
         found.append(axis_rates_from_gyro_rates(through, facts.projection))
+    return np.array(found)
+
+
+def motion_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
+    """What azimuth, latitude and table rate, each one standard deviation off, add to what the axes read.
+
+    Parameters
+    ----------
+    facts, stated :
+        As `departures` takes them; a unit of any number of gyros.
+    time_s : (N,) array
+        Times from the run's start [s].
+
+    Returns
+    -------
+    (3, 3, N) array
+        [deg/s]: source (azimuth, latitude, table rate), axis of the unit, time.
+    """
+    found = []
+    for change in (_azimuth(stated), _latitude(stated), _table_rate(stated)):
+        high, low = (axis_rates(change(facts, sign), time_s) for sign in (1.0, -1.0))
+        found.append((high - low) / 2)
     return np.array(found)
 
 
@@ -153,7 +174,7 @@ def mean_rate_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
     return integrals / (stop_s - start_s)
 
 
-def _axis_rates(facts: RunFacts, time_s: Array) -> Array:
+def axis_rates(facts: RunFacts, time_s: Array) -> Array:
     """What the axes read in all, Earth's rate in it: (3, N) [deg/s]."""
     table = table_rates(facts.profile, facts.table_axis, facts.frame_signs, time_s)
     return add_earth_rate(table, facts.earth, facts.profile.angle_at(time_s))

@@ -51,6 +51,9 @@ def _sign(value: object) -> int:
     return int(value)
 
 
+#: Id of a calibration record, ``<unit>@<version>``.
+CALIBRATION_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
+
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 FileName = Annotated[
     str, AfterValidator(_plain_file_name), Field(json_schema_extra={"pattern": r"^[^/\\\x00-\x1f%]+$"})

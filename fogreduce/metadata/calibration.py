@@ -16,9 +16,10 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, Strict, create_model, model_validator
 
-from fogreduce.metadata.base import Model, Name, NotNegatives, Reals, Triple
+from fogreduce.metadata.base import CALIBRATION_PATTERN, Model, Name, NotNegatives, Reals, Triple
 from fogreduce.metadata.faults import contradictions
 from fogreduce.metadata.instant import Instant, instant_text
+from fogreduce.metadata.pedigree import Covariance, Pedigree
 from fogreduce.physics.raw_quantity import UNITS_IN_USE, RawUnit, RawUnitName
 
 
@@ -121,6 +122,13 @@ class CalibrationRecord(Model):
     uncertainty: Uncertainty = Field(default=Uncertainty(), description="standard deviations, per gyro")
     noise: Noise | None = Field(
         default=None, description="what the unit is known to do when nothing is wrong, per gyro"
+    )
+    supersedes: str | None = Field(
+        default=None, pattern=CALIBRATION_PATTERN, description="the record that it takes the place of"
+    )
+    pedigree: Pedigree | None = Field(default=None, description="of a derived record: what it comes from")
+    covariance: Covariance | None = Field(
+        default=None, description="of a derived record: covariance of bias, scale factor and axes"
     )
 
     @classmethod

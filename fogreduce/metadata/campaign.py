@@ -6,9 +6,8 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from fogreduce.metadata.base import FileName, Model
+from fogreduce.metadata.base import CALIBRATION_PATTERN, FileName, Model
 from fogreduce.metadata.faults import unexpected
-from fogreduce.metadata.run import CALIBRATION_PATTERN
 
 
 class Simulate(Model):

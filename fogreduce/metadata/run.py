@@ -16,13 +16,11 @@ from pydantic import (
     model_validator,
 )
 
-from fogreduce.metadata.base import FileName, Model, Name, NotNegative, Sign, Triple
+from fogreduce.metadata.base import CALIBRATION_PATTERN, FileName, Model, Name, NotNegative, Sign, Triple
 from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.instant import Instant
 from fogreduce.physics.raw_quantity import RawUnitName
 from fogreduce.units import microseconds_since_1970
-
-CALIBRATION_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 
 #: Longest profile [s], some thirty years: beyond it a sum of seconds is no longer exact to the microsecond.
 LONGEST_S = 1e9

@@ -1,0 +1,84 @@
+"""The normal equations of a campaign: each gyro of each run brought to a small matrix, once.
+
+A gyro reads ``v = B + s . Omega + t + noise`` with ``s = C G`` (a vector along its axis as long as its scale
+factor), t its turn-on bias of that run, and Omega the motion that table and Earth give the unit's axes. That
+is linear in B and s. Azimuth, latitude and table rate move Omega; their columns are s times what one standard
+deviation of each adds to it, so they follow from nine columns that do not depend on s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.calibrate.noise import GyroNoise, covariance
+from fogreduce.calibrate.readings import Readings
+from fogreduce.constants import SECONDS_PER_HOUR
+
+Array = NDArray[np.float64]
+
+#: Departures from a linear scale factor and a constant bias, per gyro; M is the rate about its axis [deg/s].
+SHAPES = ("asymmetry", "quadratic", "cubic", "temperature_bias", "temperature_scale_factor")
+
+#: Columns of a gyro in a run: 1; Omega; its nine departures (source, axis); the shapes; the reading.
+ONE, MOTION, DEPARTURE = 0, slice(1, 4), slice(4, 13)
+SHAPE, READING = slice(13, 13 + len(SHAPES)), 13 + len(SHAPES)
+
+
+@dataclass(frozen=True)
+class Product:
+    """A gyro in a run: products of its whitened columns.
+
+    Attributes
+    ----------
+    run, gyro : int
+    gram : (k, k) array
+        ``X' V^-1 X`` of the columns above, the reading among them; V is the noise within the run.
+    log_det : float
+        ln det V.
+    bins : int
+    """
+
+    run: int
+    gyro: int
+    gram: Array
+    log_det: float
+    bins: int
+
+
+def products(readings: Sequence[Readings], noise: Sequence[GyroNoise]) -> list[Product]:
+    """Products of every gyro in every run; a gyro that gave nothing in a run is left out.
+
+    Unit of readings: what the record's bias is in, over `unit_of` of the gyro, so that numbers are deg/h.
+    """
+    found = []
+    for k, one in enumerate(readings):
+        for i in range(one.facts.n_gyros):
+            there = np.isfinite(one.raw[i])
+            if np.count_nonzero(there) < 2:
+                continue
+            lower = np.linalg.cholesky(covariance(one, i, noise[i]))
+            whitened = np.linalg.solve(lower, columns(one, i, there))
+            log_det = 2 * float(np.sum(np.log(np.diag(lower))))
+            found.append(Product(k, i, whitened.T @ whitened, log_det, int(np.count_nonzero(there))))
+    return found
+
+
+def columns(one: Readings, gyro: int, there: NDArray[np.bool_]) -> Array:
+    """The columns of a gyro in a run, (bins, k); readings in deg/h by the present scale factor."""
+    facts = one.facts
+    motion = one.motion[:, there]
+    rate = facts.axes[gyro] @ motion
+    warmer = np.zeros(rate.size) if one.temperature is None else one.temperature[there]
+    reading = one.raw[gyro, there] * deg_h_per_raw(one, gyro)
+    shapes = (np.abs(rate), rate**2, rate**3, warmer, warmer * rate)
+    departure = one.departure[:, :, there].reshape(9, -1)
+    return np.column_stack((np.ones(rate.size), *motion, *departure, *shapes, reading))
+
+
+def deg_h_per_raw(one: Readings, gyro: int) -> float:
+    """deg/h that one unit of the raw reading stands for, by the present record: the unit of the equations."""
+    return float(SECONDS_PER_HOUR / one.facts.scale_factor[gyro])

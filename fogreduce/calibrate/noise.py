@@ -1,0 +1,108 @@
+"""The noise of a gyro within a run, as a covariance of its bins; what is not stated comes from the readings.
+
+White noise is always measured, from the differences of neighbouring bins: a record's own figure is from
+another day. Flicker and random walk, which a campaign of short runs hardly shows, are the record's where it
+states them, else those of the Allan variance of the residuals of all runs together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import toeplitz
+
+from fogreduce.calibrate.readings import Readings
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.estimate.coloured import allan_variance, fit_noise
+from fogreduce.physics.noise import flicker_covariance
+
+Array = NDArray[np.float64]
+
+#: Fewer differences of neighbouring bins do not tell white noise.
+_FEWEST_DIFFERENCES = 8
+
+
+@dataclass(frozen=True)
+class GyroNoise:
+    """Noise of a gyro, IEEE 952 terms.
+
+    Attributes
+    ----------
+    white_deg_sqrt_h, flicker_deg_h, walk_deg_h_sqrt_h : float
+        Angle random walk, bias instability, rate random walk.
+    stated : bool
+        Whether flicker and walk are those of the calibration record.
+    """
+
+    white_deg_sqrt_h: float
+    flicker_deg_h: float
+    walk_deg_h_sqrt_h: float
+    stated: bool
+
+
+def gyro_noise(readings: Sequence[Readings], gyro: int) -> GyroNoise:
+    """Noise of one gyro from all runs and the calibration record."""
+    squares = differences = 0.0
+    allan = []
+    for one in readings:
+        left = _residual_deg_h(one, gyro)
+        next_to = (np.diff(one.place) == 1) & (np.diff(one.segment) == 0)
+        steps = np.diff(left)[next_to & np.isfinite(np.diff(left))]
+        squares += float(np.sum(steps**2)) * one.bin_s / 2
+        differences += steps.size
+        allan.append((allan_variance(_with_holes(one, left), one.bin_s), one.bin_s))
+    # deg/h of bins of a second are deg/sqrt(h) over 60.
+    white = np.sqrt(squares / differences) / 60 if differences >= _FEWEST_DIFFERENCES else 0.0
+    noise = readings[0].record.noise
+    if noise is not None and noise.bias_instability_deg_h is not None:
+        walks = noise.rate_random_walk_deg_h_sqrt_h
+        walk = 0.0 if walks is None else walks[gyro]
+        return GyroNoise(float(white), noise.bias_instability_deg_h[gyro], walk, stated=True)
+    tau, variance, freedom = (np.concatenate(parts) for parts in zip(*(a for a, _ in allan), strict=True))
+    if tau.size == 0:
+        return GyroNoise(float(white), 0.0, 0.0, stated=False)
+    found = fit_noise(tau, variance, freedom)
+    walk_deg_h_sqrt_h = float(np.sqrt(found.walk * SECONDS_PER_HOUR))
+    return GyroNoise(float(white), float(np.sqrt(found.flicker)), walk_deg_h_sqrt_h, stated=False)
+
+
+def covariance(one: Readings, gyro: int, noise: GyroNoise) -> Array:
+    """Covariance of a gyro's bins in a run by its noise [(deg/h)^2]; bins without a reading left out."""
+    there = np.isfinite(one.raw[gyro])
+    first = int(one.place[there][0])
+    place = one.place[there] - first
+    lags = int(place[-1]) + 1
+    matrix = np.zeros((place.size, place.size))
+    if noise.flicker_deg_h > 0:
+        rows = toeplitz(flicker_covariance(noise.flicker_deg_h, one.bin_s, lags))
+        matrix += rows[np.ix_(place, place)]
+    if noise.walk_deg_h_sqrt_h > 0:
+        since_s = (first + place + 0.5) * one.bin_s
+        walked = noise.walk_deg_h_sqrt_h**2 * np.minimum.outer(since_s, since_s) / SECONDS_PER_HOUR
+        matrix += walked - np.eye(place.size) * noise.walk_deg_h_sqrt_h**2 * one.bin_s / 6 / SECONDS_PER_HOUR
+    full = one.facts.sample_rate_hz * one.bin_s
+    white = (60 * noise.white_deg_sqrt_h) ** 2 / one.bin_s * full / np.maximum(one.count[gyro, there], 1)
+    matrix[np.diag_indices_from(matrix)] += white
+    return matrix
+
+
+def _residual_deg_h(one: Readings, gyro: int) -> Array:
+    """Reading less what the present record makes of the motion, less its mean in each segment [deg/h]."""
+    facts = one.facts
+    rate = (one.raw[gyro] - facts.bias[gyro]) / facts.scale_factor[gyro] - facts.axes[gyro] @ one.motion
+    left = rate * SECONDS_PER_HOUR
+    for k in np.unique(one.segment):
+        inside = one.segment == k
+        if np.isfinite(left[inside]).any():
+            left[inside] -= np.nanmean(left[inside])
+    return left
+
+
+def _with_holes(one: Readings, values: Array) -> Array:
+    """The bins at their places, NaN where there is none."""
+    out = np.full(int(one.place[-1] - one.place[0]) + 1, np.nan)
+    out[one.place - one.place[0]] = values
+    return out

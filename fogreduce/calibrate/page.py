@@ -1,0 +1,114 @@
+"""The page of a derivation: what changed from the present record, by how much, and how well it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from fogreduce.calibrate.derive import Derivation
+from fogreduce.datasets.atomic import write_text
+from fogreduce.metadata.yaml12 import dump_yaml
+from fogreduce.pages.numbers import number, plus_minus
+from fogreduce.pages.render import page
+from fogreduce.pages.svg import Panel, points, some_ticks
+
+TEMPLATE = "derivation.html"
+
+#: Key in derivation.json -> words with unit.
+_CHANGES = {
+    "bias_deg_h": "bias [deg/h]",
+    "scale_factor_ppm": "scale factor [ppm]",
+    "axis1_mrad": "axis, first direction [mrad]",
+    "axis2_mrad": "axis, second direction [mrad]",
+}
+#: A departure is marked from here on: of some dozens, chance makes one this large in one page of a hundred.
+_CLEAR_SIGMA = 3.5
+
+
+def write_page(derivation: Derivation, data: Mapping[str, Any], path: Path) -> None:
+    """Write the page of a derivation.
+
+    Parameters
+    ----------
+    derivation : Derivation
+    data : mapping
+        Its document (`fogreduce.calibrate.document`).
+    path : Path
+    """
+    gyros = data["gyros"]
+    context = {
+        "data": data,
+        "changes": [
+            [
+                {
+                    "gyro": gyro["gyro"],
+                    "value": plus_minus(change["value"], change["std"])
+                    if change["determined"]
+                    else "not determined",
+                    "stated": number(change["stated_std"]),
+                    "sigma": f"{change['sigma']:.1f}" if change["determined"] else "",
+                    "beyond": change["sigma"] > _CLEAR_SIGMA,
+                    "what": words,
+                }
+                for key, words in _CHANGES.items()
+                for change in (gyro["change_from_present"][key],)
+            ]
+            for gyro in gyros
+        ],
+        "chart": _turn_on_chart(derivation, data),
+        "departures": [
+            one
+            | {
+                "shown": plus_minus(one["value"], one["std"]),
+                "beyond": abs(one["value"]) > _CLEAR_SIGMA * one["std"],
+            }
+            for one in data["departures"]
+        ],
+        "runs": _runs(derivation, data),
+        "noise": [
+            {"gyro": gyro["gyro"]} | {key: _cell(value) for key, value in gyro["noise"].items()}
+            for gyro in gyros
+        ],
+        "next_run": None if data["next_run"] is None else dump_yaml(data["next_run"]),
+        "chi2": f"{data['chi2']['value']:.0f}",
+        "freedom": f"{data['chi2']['degrees_of_freedom']:.0f}",
+        "p_value": number(data["chi2"]["p_value"]),
+    }
+    write_text(path, page(TEMPLATE, f"Calibration derived from {data['campaign']}", context))
+
+
+def _cell(value: object) -> str:
+    return number(value) if isinstance(value, float) else str(value)
+
+
+def _turn_on_chart(derivation: Derivation, data: Mapping[str, Any]) -> Any:
+    """Turn-on biases of each gyro over the runs, the band one standard deviation of what was found."""
+    panels = []
+    for i, gyro in enumerate(data["gyros"]):
+        found = {one["run"]: one for one in data["turn_on"] if one["gyro"] == gyro["gyro"]}
+        width = float(derivation.solution.turn_on_deg_h[i])
+        panels.append(
+            Panel(
+                gyro["gyro"],
+                "deg/h",
+                [found[run]["deg_h"] if run in found else None for run in data["runs"]],
+                errors=[found[run]["std_deg_h"] if run in found else None for run in data["runs"]],
+                centre=0.0,
+                limits=[(-width, width)] * len(data["runs"]),
+                zero=True,
+            )
+        )
+    return points(panels, some_ticks(data["runs"]), "Turn-on bias of each gyro in each run", height=90.0)
+
+
+def _runs(derivation: Derivation, data: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Residuals by run and gyro: chi-square over its degrees of freedom."""
+    rows = []
+    for run in data["runs"]:
+        row = {"run": run}
+        for one in data["turn_on"]:
+            if one["run"] == run:
+                row[one["gyro"]] = f"{one['chi2'] / max(one['degrees_of_freedom'], 1):.2f}"
+        rows.append(row)
+    return rows

@@ -1,0 +1,186 @@
+"""What a run says of its gyros: means of raw readings over short bins, and the motion in the same bins.
+
+The raw readings are judged as every reduction judges them (`fogreduce.stages.ingest`); bins that are not
+wholly inside a segment of constant rate, a guard left out, are dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import MICROSECONDS_PER_SECOND
+from fogreduce.datasets.flags import UNUSABLE_RECORD
+from fogreduce.datasets.logs import read_temperature
+from fogreduce.datasets.readers import open_capture
+from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.errors import BadInput, Fault
+from fogreduce.estimate.bins import Bins, bins_of
+from fogreduce.estimate.uncertainty import StatedErrors, axis_rates, motion_departures
+from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.metadata.config import ReductionConfig
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.metadata.folder import cross_check, list_runs, load_calibration, load_run
+from fogreduce.metadata.run import Run
+from fogreduce.stages.ingest import Ingest, usable_gyros
+
+Array = NDArray[np.float64]
+
+#: Bins of a run: the covariance of its noise is a matrix of this size at most.
+MOST_BINS = 512
+_SHORTEST_BIN_S = 1.0
+
+
+@dataclass(frozen=True)
+class Readings:
+    """A run in m bins.
+
+    Attributes
+    ----------
+    run, record, facts :
+        The run's metadata.
+    place : (m,) array of int
+        Number of each bin, counted from the run's start: bins that were dropped leave holes.
+    bin_s : float
+        Length of a bin [s].
+    segment : (m,) array of int
+        Segment of the profile, from 0.
+    time_s : (m,) array
+        Middles of the bins [s].
+    raw : (n, m) array
+        Mean raw reading, polarity taken out [raw unit]; NaN where a gyro gave none.
+    count : (n, m) array
+        Samples in it.
+    motion : (3, m) array
+        What the axes x, y, z read of table and Earth [deg/s].
+    departure : (3, 3, m) array
+        What azimuth, latitude and table rate, each one standard deviation off, add to `motion` [deg/s].
+    temperature : (m,) array or None
+        Of the sensors less that at the run's start [degC]; None without a log.
+    """
+
+    run: Run
+    record: CalibrationRecord
+    facts: RunFacts
+    place: NDArray[np.intp]
+    bin_s: float
+    segment: NDArray[np.intp]
+    time_s: Array
+    raw: Array
+    count: Array
+    motion: Array
+    departure: Array
+    temperature: Array | None
+
+
+def read_campaign(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> list[Readings]:
+    """The runs of a campaign, all of one unit and one calibration record.
+
+    Raises
+    ------
+    BadInput
+        With every fault of the runs; runs of several records.
+    """
+    faults: list[Fault] = []
+    found = []
+    folders = list_runs(campaign)
+    names = [folder.name for folder in folders]
+    for name in only:
+        if name not in names:
+            raise BadInput.at("--only-runs", "", found=name, expected="one of " + ", ".join(names))
+    for folder in folders:
+        if only and folder.name not in only:
+            continue
+        try:
+            run = load_run(folder)
+            record, _ = load_calibration(calibrations, run.calibration)
+            cross_check(run, record, folder / "run.yaml")
+            found.append(read_run(folder, run, record))
+        except BadInput as error:
+            faults += error.faults
+    if faults:
+        raise BadInput(*dict.fromkeys(faults))
+    records = sorted({one.run.calibration for one in found})
+    if len(records) > 1:
+        raise BadInput.at(
+            campaign,
+            "calibration",
+            found="runs of " + " and ".join(records),
+            expected="runs of one calibration record (choose with --only-runs)",
+        )
+    return found
+
+
+def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
+    """One run in bins."""
+    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    path = folder / run.capture.file
+    reader = open_capture(path, run.capture.format, facts.sample_rate_hz)
+    if wrong := contradictions(reader.facts, facts, path):
+        raise BadInput(*wrong)
+    parameters = ReductionConfig()
+    size = max(1, round(max(_SHORTEST_BIN_S, facts.profile.end_s / MOST_BINS) * facts.sample_rate_hz))
+    stated = StatedErrors.of(run, record)
+    ingest = Ingest(facts, parameters.outliers.threshold_sigma)
+    parts = []
+    block_records = max(1, parameters.block_records // size) * size
+    for block in ingest.blocks(reader, block_records):
+        time_s = block.time_us / MICROSECONDS_PER_SECOND
+        values = np.vstack(
+            (
+                block.raw * facts.polarity[:, None],
+                axis_rates(facts, time_s),
+                motion_departures(facts, stated, time_s).reshape(9, -1),
+            )
+        )
+        usable = _usable(block.flag, block.gyro_flag, len(values))
+        parts.append(bins_of(time_s, values, usable, size))
+    bins = Bins.joined(parts)
+    n, bin_s = facts.n_gyros, size / facts.sample_rate_hz
+    segment, inside = _inside(facts, bins.time_s, bin_s, parameters.edge_guard_s)
+    inside &= (bins.count[n] > size / 2) & (bins.count[:n] > size / 2).any(axis=0)
+    if not inside.any():
+        expected = "at least one bin of usable records inside a segment of the profile"
+        raise BadInput.at(path, "", found="no usable data", expected=expected)
+    log = read_temperature(folder / run.temperature) if run.temperature else None
+    time_s = bins.time_s[inside]
+    return Readings(
+        run=run,
+        record=record,
+        facts=facts,
+        place=np.rint(time_s / bin_s - 0.5).astype(np.intp),
+        bin_s=bin_s,
+        segment=segment[inside],
+        time_s=time_s,
+        raw=np.where(bins.count[:n, inside] > size / 2, bins.mean[:n, inside], np.nan),
+        count=bins.count[:n, inside],
+        motion=bins.mean[n : n + 3, inside],
+        departure=bins.mean[n + 3 :, inside].reshape(3, 3, -1),
+        temperature=None if log is None else log.sensor_at(time_s) - log.sensor_at(np.zeros(1)),
+    )
+
+
+def _usable(flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8], rows: int) -> NDArray[np.bool_] | None:
+    """Which values count: of each gyro, then of the motion."""
+    gyros = usable_gyros(flag, gyro_flag)
+    if gyros is None:
+        return None
+    records = np.broadcast_to((flag & UNUSABLE_RECORD) == 0, (rows - len(gyros), flag.size))
+    return np.vstack((gyros, records))
+
+
+def _inside(
+    facts: RunFacts, time_s: Array, bin_s: float, guard_s: float
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Segment of each bin, and whether the whole bin lies in it (the guard left out between segments)."""
+    edges = facts.profile.edges_s
+    middle = np.nan_to_num(time_s, nan=-1.0)
+    segment = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(edges) - 2)
+    first, last = segment == 0, segment == len(edges) - 2
+    low = edges[segment] + bin_s / 2 + np.where(first, -bin_s / 4, guard_s)
+    high = edges[segment + 1] - bin_s / 2 - np.where(last, -bin_s / 4, guard_s)
+    return segment, (middle >= low) & (middle <= high)

@@ -1,0 +1,62 @@
+"""Departures from a linear scale factor and a constant bias, each fitted beside the linear solution.
+
+IEEE 952: asymmetry is what the scale factor differs by between the two senses; the polynomial in the rate is
+its nonlinearity. Temperature terms are those of the sensors' log. Each is fitted alone: together, what one
+campaign cannot tell apart would hide behind the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fogreduce.calibrate.equations import Product
+from fogreduce.calibrate.solution import Prior, Solution, solve
+from fogreduce.constants import SECONDS_PER_HOUR
+
+#: Shape -> (name of the effect or coefficient, unit, what a value of 1 in deg/h stands for in that unit).
+UNITS = {
+    "asymmetry": ("ppm", 1e6 / SECONDS_PER_HOUR),
+    "quadratic": ("ppm per deg/s", 1e6 / SECONDS_PER_HOUR),
+    "cubic": ("ppm at 10 deg/s", 100.0 * 1e6 / SECONDS_PER_HOUR),
+    "temperature_bias": ("deg/h per degC", 1.0),
+    "temperature_scale_factor": ("ppm per degC", 1e6 / SECONDS_PER_HOUR),
+}
+#: A shape is stated where the campaign knows it better than this, in its unit.
+_WORST = {
+    "asymmetry": 1e4,
+    "quadratic": 1e4,
+    "cubic": 1e4,
+    "temperature_bias": 1e2,
+    "temperature_scale_factor": 1e4,
+}
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A departure of one gyro: value and standard error in `unit`."""
+
+    name: str
+    gyro: int
+    value: float
+    std: float
+    unit: str
+
+
+def fitted_shapes(
+    products: Sequence[Product], solution: Solution, prior: Prior, names: Sequence[str]
+) -> list[Shape]:
+    """Each shape of every gyro, as far as the campaign determines it."""
+    layout = solution.layout
+    found = []
+    for name in names:
+        unit, factor = UNITS[name]
+        more = solve(products, layout.gyros, layout.runs, prior, (name,), turn_on=solution.turn_on_deg_h)
+        for i in range(layout.gyros):
+            where = more.layout.gyro(i).start + 4
+            std = factor * float(np.sqrt(more.covariance[where, where]))
+            if std <= _WORST[name]:
+                found.append(Shape(name, i, factor * float(more.values[where]), std, unit))
+    return found

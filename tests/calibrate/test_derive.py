@@ -1,0 +1,126 @@
+"""Derivations of simulated campaigns against what was put into them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fogreduce.calibrate.derive import derive
+from fogreduce.errors import BadInput
+
+
+def entry(effect, gyro, **parameters):
+    return {"effect": effect, "channels": [f"gyro{gyro}"], "runs": ["*"], "parameters": parameters}
+
+
+def test_what_was_put_in_comes_back(bench) -> None:
+    """A bias offset, a scale factor error and a tipped axis, each of another gyro, with noise."""
+    effects = [
+        entry("bias_offset", 1, deg_h=4.0),
+        entry("scale_factor_error", 2, ppm=900.0),
+        entry("axis_misalignment", 4, mrad=[0.0, 2.0, 0.0]),  # gyro 4's axis is x: all of it is across
+    ]
+    found = derive(bench.simulate(effects), bench.calibrations)
+    facts, parameters = found.readings[0].facts, found.parameters
+    errors = parameters.standard_errors
+    lengths = np.linalg.norm(facts.axes, axis=1)  # the record's H is rounded: its axes are not of length 1
+    bias = facts.bias / facts.scale_factor / lengths * 3600
+    assert not found.undetermined
+    assert parameters.bias_deg_h[0] - bias[0] == pytest.approx(4.0, abs=4 * errors[0, 0])
+    assert errors[0, 0] < 0.5
+    assert (parameters.scale_ratio[1] / lengths[1] - 1) * 1e6 == pytest.approx(900.0, abs=4e6 * errors[1, 1])
+    assert errors[1, 1] < 2e-5
+    tipped = parameters.axes[3] - facts.axes[3] / lengths[3]
+    assert tipped[1] * 1e3 == pytest.approx(2.0 / lengths[3], abs=0.05)
+    # What was not touched stays where it was.
+    assert abs(parameters.scale_ratio[0] / lengths[0] - 1) < 4 * errors[0, 1]
+    assert found.solution.chi2 / found.solution.freedom == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_temperature_or_nonlinearity_is_a_departure_and_not_a_scale_factor(bench) -> None:
+    effects = [entry("scale_factor_asymmetry", 2, ppm=300.0)]
+    found = derive(bench.simulate(effects), bench.calibrations)
+    asymmetry = {one.gyro: one for one in found.shapes if one.name == "asymmetry"}
+    assert asymmetry[1].value == pytest.approx(300.0, abs=4 * asymmetry[1].std + 3)
+    assert abs(asymmetry[0].value) < 5 * asymmetry[0].std + 1
+    assert not [one for one in found.shapes if one.name.startswith("temperature")]  # there is no log
+
+
+def test_one_sense_about_one_axis_leaves_bias_and_scale_factor_together(bench) -> None:
+    campaign = bench.simulate(runs=["1-xp"])
+    found = derive(campaign, bench.calibrations)
+    words = [one.words for one in found.undetermined]
+    assert any("gyro1's bias" in text and "gyro1's scale factor" in text for text in words)
+    assert found.next_run is not None
+    assert found.next_run["table"]["axis"] in "xyz"
+
+
+def test_a_standstill_alone_leaves_every_scale_factor_open(bench) -> None:
+    found = derive(bench.simulate(runs=["7-st"]), bench.calibrations)
+    for gyro in range(1, 5):
+        assert any(f"gyro{gyro}'s scale factor" in one.words for one in found.undetermined)
+    # Not a number is taken from nowhere: an open direction keeps its ignorance.
+    assert (found.parameters.standard_errors[:, 1] > 0.01).all()
+
+
+def test_turn_on_scatter_is_found_apart_from_noise(bench) -> None:
+    """3 deg/h from run to run where the record states 0.1; the same in both senses, so no scale factor."""
+    runs = ["1-xp", "2-xm", "3-yp", "4-ym", "5-zp", "6-zm", "7-st"]
+    sizes = [3.0, 3.0, -3.0, -3.0, 2.0, 2.0, -2.0]
+    effects = [
+        entry("turn_on_bias", 4, deg_h=size) | {"runs": [run]} for run, size in zip(runs, sizes, strict=True)
+    ]
+    found = derive(bench.simulate(effects), bench.calibrations)
+    assert 1.0 < found.solution.turn_on_deg_h[3] < 6.0
+    assert found.solution.turn_on_deg_h[0] < 0.6
+    sizes_found = {one.run: one.deg_h for one in found.turn_on if one.gyro == 3}
+    assert sizes_found[0] - sizes_found[2] == pytest.approx(6.0, abs=1.0)
+
+
+def test_pulls_are_standard_normal(bench) -> None:
+    """Stated uncertainties drawn: over 6 campaigns of four gyros the root mean square pull is near 1."""
+    import yaml
+
+    squares = []
+    for seed in range(6):
+        campaign = bench.simulate(options=["--draw-uncertainties", "--seed", str(seed)])
+        drawn = yaml.safe_load(campaign.with_name(f"{campaign.name}.injected.yaml").read_text())["drawn"]
+        found = derive(campaign, bench.calibrations)
+        facts, errors = found.readings[0].facts, found.parameters.standard_errors
+        for i in range(4):
+            of_gyro = {
+                one["effect"]: one["parameters"] for one in drawn if one["channels"] == [f"gyro{i + 1}"]
+            }
+            s = (1 + of_gyro["scale_factor_error"]["ppm"] * 1e-6) * (
+                facts.axes[i] + np.array(of_gyro["axis_misalignment"]["mrad"]) * 1e-3
+            )
+            length = np.linalg.norm(s)
+            off = found.parameters.across[i] @ (s / length - found.parameters.axes[i])
+            squares += [((found.parameters.scale_ratio[i] / length - 1) / errors[i, 1]) ** 2]
+            squares += list((off / errors[i, 2:]) ** 2)
+    # 72 squares, the common table rate correlating the scale factors: loose enough for chance, not for 2.
+    assert 0.5 < np.mean(squares) < 1.8
+
+
+def test_runs_of_two_records_are_refused(bench) -> None:
+    campaign = bench.simulate(runs=["1-xp", "2-xm"])
+    text = (bench.calibrations / "UNIT" / "a.yaml").read_text().replace("version: a", "version: b")
+    (bench.calibrations / "UNIT" / "b.yaml").write_text(text)
+    path = campaign / "runs" / "2-xm" / "run.yaml"
+    path.write_text(path.read_text().replace("UNIT@a", "UNIT@b"))
+    with pytest.raises(BadInput, match="UNIT@a and UNIT@b"):
+        derive(campaign, bench.calibrations)
+
+
+def test_practice_campaigns_agree_with_their_record(shared) -> None:
+    """Campaigns of another simulator, drawn about the record: change within both errors."""
+    practice = shared / "practice"
+    for name in ("practice-1", "practice-2", "practice-4"):
+        found = derive(practice / "campaigns" / name, practice / "calibrations")
+        facts = found.readings[0].facts
+        errors = found.parameters.standard_errors
+        stated = np.array(found.readings[0].record.stated_uncertainty.scale_factor_rel)
+        lengths = np.linalg.norm(facts.axes, axis=1)
+        pulls = (found.parameters.scale_ratio / lengths - 1) / np.hypot(errors[:, 1], stated)
+        assert np.abs(pulls).max() < 3.5
+        assert not found.undetermined
