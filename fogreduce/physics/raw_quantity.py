@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:  # who only reads metadata does not pay for numpy
+    import numpy as np
+    from numpy.typing import NDArray
 
 RawUnitName = Literal["V", "count", "deg/s", "deg/h", "rad/s", "deg", "rad"]
 
