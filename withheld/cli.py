@@ -68,6 +68,22 @@ def _train(args: argparse.Namespace) -> None:
     make_batch(protocol, chosen, args.out, args.out / "labels.json")
 
 
+def _examine(args: argparse.Namespace) -> None:
+    from withheld.examine import DIAGNOSER, examine
+    from withheld.report.page import tables
+
+    summary = examine(
+        args.kind,
+        args.seed,
+        args.campaigns,
+        args.diagnoser or DIAGNOSER,
+        args.out,
+        args.batch,
+        args.keep_captures,
+    )
+    print("\n".join(tables(summary)))
+
+
 def _diagnose(args: argparse.Namespace) -> None:
     from withheld.study.run_diagnoser import run_batch
 
@@ -158,6 +174,20 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--first", type=int, required=True, help="how many cases of it")
     one.add_argument("--out", type=Path, required=True)
     one.set_defaults(do=_train)
+
+    one = commands.add_parser(
+        "examine", help="one kind of campaigns, made, diagnosed and scored, open labels"
+    )
+    one.add_argument(
+        "kind", help="a class (stale, strong, ...) or a kind of the first studies (nothing, ...)"
+    )
+    one.add_argument("--seed", type=int, required=True, help="a training seed, below every study's")
+    one.add_argument("--campaigns", type=int, required=True)
+    one.add_argument("--diagnoser", default=None, help="as for diagnose; default: fogreduce diagnose")
+    one.add_argument("--batch", type=int, default=4, help="campaigns whose captures lie on disk at once")
+    one.add_argument("--keep-captures", action="store_true")
+    one.add_argument("--out", type=Path, required=True)
+    one.set_defaults(do=_examine)
 
     one = commands.add_parser("diagnose", help="run a diagnoser over a batch")
     one.add_argument(

@@ -82,7 +82,8 @@ def single(effect):
 def test_amplitudes_meet_a_target_within_the_study_s_range(effect):
     from withheld.study.cases import label
 
-    known = label(FULL, draw_case(FULL, single(effect)))["effects"][0]
+    plan = single(effect)
+    known = label(FULL, plan, draw_case(FULL, plan))["effects"][0]
     assert FULL.snr_low * 0.5 < known["snr"] < FULL.snr_high * 1.1
 
 

@@ -1,14 +1,13 @@
 """Everything the clairvoyant knows about one campaign: what each score will stand beside."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from withheld.arrays import Array
 from withheld.chain.injector import World
-from withheld.chain.temperature import Temperature
 from withheld.clairvoyant.blocks import Metric, difference, metric
+from withheld.clairvoyant.closures import closure_gram, oracle_closure
 from withheld.clairvoyant.full_rate import STATISTICS, Healthy, level_free, process_separation
 from withheld.clairvoyant.lines import FAST, motion_share, within_blocks
 from withheld.clairvoyant.rivals import EVERY, Key, Rival, slow_rivals
@@ -71,15 +70,11 @@ def _imitated_within(
 
 
 def _rival_distances(
-    world: World, inner: Metric, entry: Entry, rivals: list[Rival], healthy: Healthy
+    world: World, entry: Entry, slow_snr: float, slow: dict[Key, float], healthy: Healthy
 ) -> tuple[float, dict[Key, float]]:
-    truth = _slow_part(world, inner, entry)
+    """SNR, and separations of rivals: on block means, as given, and beyond them together."""
     statistic, weights = _fast_part(world, entry, healthy)
     own: Key = (entry.effect, entry.channels, entry.runs)
-    slow_snr = snr(inner, truth)
-    slow: dict[Key, float] = {}
-    if slow_snr > 0.5:
-        slow = separations(inner, truth, own, rivals, _beside(world, inner, entry))
     within = _imitated_within(world, entry, weights, slow, slow_snr) if weights.any() else {}
     fast = statistic + float(weights.sum())
     distances = {
@@ -97,66 +92,70 @@ def _rival_distances(
     return float(np.sqrt(slow_snr**2 + fast)), distances
 
 
-def _beside(world: World, inner: Metric, entry: Entry) -> Array | None:
-    """Whitened differences of the campaign's other effects, (rows, k); None where block means show none."""
-    columns = [_slow_part(world, inner, other) for other in _others(world, entry)]
-    seen = [column for column in columns if column.any()]
-    return np.stack(seen, axis=1) if seen else None
+def _spans(truths: Array, keys: list[Key], rivals: list[Rival]) -> list[Array]:
+    """For each effect the whitened columns that it can make at its place, (rows, k).
 
-
-def oracle_closure(world: World, inner: Metric) -> float | None:
-    """The share of the gap in block means that the true effects, in the catalogue's shape, with their true
-    parameters and the logged temperature, would close: 1 - |left|^2 / |gap|^2 in the whitened metric.
-    None where block means hold less than SNR 3 of a gap.
+    Of one that is linear in its parameters all (an axis tips in any direction), of another the difference
+    that it does make.
     """
-    gap = inner.white(difference(world, world.entries))
-    if snr(inner, gap) < 3.0:
-        return None
-    plain = tuple(replace(entry, departure={}) for entry in world.entries)
-    logged = {
-        run: Temperature(heat.time_s, heat.electronics_degC, heat.sensor_degC, heat.sensor_degC)
-        for run, heat in world.heat.items()
-    }
-    model = inner.white(difference(replace(world, heat=logged), plain))
-    return 1.0 - snr(inner, gap - model) ** 2 / snr(inner, gap) ** 2
+    linear = [[r.columns for r in rivals if r.key == key and not r.fixed] for key in keys]
+    return [
+        found[0] if len(found) == 1 else truth[:, None] for truth, found in zip(truths.T, linear, strict=True)
+    ]
+
+
+def _others_of(spans: list[Array], number: int) -> Array | None:
+    """Columns of the campaign's other effects, (rows, k); None where block means show none."""
+    seen = [span for k, span in enumerate(spans) if k != number and span.any()]
+    return np.concatenate(seen, axis=1) if seen else None
 
 
 def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[str, Any]:
     """For each effect its SNR, its rivals' separations, the nearest first."""
+    if not world.entries:
+        return {"effects": [], "slow_snr": 0.0, "oracle_closure": None, "closure_gram": None}
     inner = metric(world)
+    rivals = slow_rivals(world, inner, catalogue)
+    keys: list[Key] = [(e.effect, e.channels, e.runs) for e in world.entries]
+    truths = np.stack([_slow_part(world, inner, entry) for entry in world.entries], axis=1)
+    spans = _spans(truths, keys, rivals)
+    near = separations(inner, truths, keys, rivals, spans)
     effects: list[dict[str, Any]] = []
-    rivals = slow_rivals(world, inner, catalogue) if world.entries else []
-    for entry in world.entries:
-        total, distances = _rival_distances(world, inner, entry, rivals, healthy)
-        near = sorted(((k, d) for k, d in distances.items() if k[0] in catalogue), key=lambda item: item[1])
+    for number, entry in enumerate(world.entries):
+        truth, others = truths[:, number], _others_of(spans, number)
+        slow_snr = snr(inner, truth)
+        total, distances = _rival_distances(
+            world, entry, slow_snr, near[number] if slow_snr > 0.5 else {}, healthy
+        )
+        alone = slow_snr if others is None else left_by(inner, truth, others)
+        fast = np.sqrt(max(total**2 - slow_snr**2, 0.0))
+        listed = sorted(((k, d) for k, d in distances.items() if k[0] in catalogue), key=lambda item: item[1])
         effects.append(
             {
                 "snr": total,
-                "best_rival": near[0][1] if near else total,
+                "best_rival": min([float(np.hypot(alone, fast)), *(d for _, d in listed[:1])]),
                 "rivals": [
                     {"effect": key[0], "channels": list(key[1]), "runs": list(key[2]), "separation": d}
-                    for key, d in near
+                    for key, d in listed
                     if d < KEPT_BELOW
                 ],
-                "attainable_std": _attainable(world, inner, entry, healthy, total),
+                "attainable_std": _attainable(world, entry, alone),
             }
         )
-    whole = inner.white(difference(world, world.entries)) if world.entries else np.zeros(0)
+    whole = inner.white(difference(world, world.entries))
     return {
-        "effects": effects,
-        "slow_snr": snr(inner, whole) if world.entries else 0.0,
-        "oracle_closure": oracle_closure(world, inner) if world.entries else None,
-    }
+        "effects": effects, "slow_snr": snr(inner, whole), "oracle_closure": oracle_closure(world, inner),
+        "closure_gram": closure_gram(world, inner),
+    }  # fmt: skip
 
 
-def _attainable(world: World, inner: Metric, entry: Entry, healthy: Healthy, total: float) -> float | None:
+def _attainable(world: World, entry: Entry, alone: float) -> float | None:
     """Relative standard deviation that the best estimate of the amplitude could have, others profiled out.
 
-    1 / SNR for an effect whose amplitude shifts means in proportion; None for the rest.
+    1 / SNR for an effect whose amplitude shifts means in proportion; None for the rest.  `alone`: what the
+    campaign's other effects leave of it in block means.
     """
-    if entry.effect in STATISTICS or total == 0.0:
+    if entry.effect in STATISTICS:
         return None
-    truth, others = _slow_part(world, inner, entry), _beside(world, inner, entry)
-    slow = snr(inner, truth) if others is None else left_by(inner, truth, others)
-    kept = float(np.hypot(slow, np.sqrt(_fast_part(world, entry, healthy)[1].sum())))
+    kept = float(np.hypot(alone, np.sqrt(within_blocks(world, entry).sum() if entry.effect in FAST else 0.0)))
     return 1.0 / kept if kept > 0.0 else None

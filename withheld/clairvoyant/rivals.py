@@ -53,7 +53,7 @@ def _gyro_rivals(columns: Columns, i: int) -> Iterator[Rival]:
 
     yield rival("bias_offset", _unit("bias_offset", "deg_h"))
     yield rival("bias_ramp", _unit("bias_ramp", "deg_h_per_h"))
-    for tau in (10.0, 30.0, 100.0, 300.0, 1000.0):
+    for tau in (10.0, 20.0, 30.0, 60.0, 100.0, 200.0, 300.0, 600.0, 1000.0):
         yield rival("warm_up", _unit("warm_up", "deg_h", tau_s=tau))
     if all(one.run.temperature for one in columns.runs):
         yield rival("temperature_bias", _unit("temperature_bias", "deg_h_per_degC"))

@@ -22,43 +22,73 @@ def left_by(inner: Metric, truth: Array, columns: Array) -> float:
     """What free multiples of whitened columns (rows, k) leave of a whitened difference (rows,)."""
     whole = float(inner.gram(truth[:, None], truth[:, None])[0, 0])
     gram, along = inner.gram(columns, columns), inner.gram(columns, truth[:, None])[:, 0]
-    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    # Columns scaled to length one; a direction below 1e-9 of the longest is no direction.
-    explained = float(
-        (along / size) @ np.linalg.pinv(gram / np.outer(size, size), rcond=1e-9) @ (along / size)
-    )
+    explained = float(along @ _inverse(gram, np.sqrt(np.diag(gram))) @ along)
     return float(np.sqrt(max(whole - explained, 0.0)))
 
 
 def separations(
-    inner: Metric, truth: Array, own: Key, rivals: list[Rival], others: Array | None = None
-) -> dict[Key, float]:
-    """Separation that each rival leaves, the smallest over its grid.
+    inner: Metric, truths: Array, keys: list[Key], rivals: list[Rival], spans: list[Array]
+) -> list[dict[Key, float]]:
+    """For each effect of a campaign the separation that each rival leaves, the smallest over its grid.
+
+    The campaign's other effects stand beside the rival, each with all that it can make at its place; beside
+    one of no amplitude (a wrong sign, a swap) they keep their sizes, or a scale factor of -2 would undo it.
+    An effect that is in the campaign is nobody's rival there, nor is the same on several gyros at once where
+    more than one of them has it.
 
     Parameters
     ----------
     inner : Metric
         The campaign's inner product.
-    truth : (rows,)
-        Whitened difference that the effect makes.
-    own : Key
-        The effect's own name and place, which is no rival of itself.
+    truths : (rows, effects)
+        Whitened differences that the effects make.
+    keys : list of Key
+        Their names and places.
     rivals : list of Rival
         As `slow_rivals` gives them.
-    rivals : list of Rival
-        As `slow_rivals` gives them.
-    others : (rows, k), optional
-        Differences that the campaign's other effects make.
+    spans : list of (rows, k)
+        Whitened columns that each effect can make at its place.
     """
-    left: dict[Key, float] = {}
+    count, ends = truths.shape[1], np.cumsum([0, *(span.shape[1] for span in spans)])
+    known = np.concatenate([truths, *spans], axis=1)
+    gram = inner.gram(known, known)
+    beside = []
+    for e in range(count):
+        rest = count + np.setdiff1d(np.arange(ends[-1]), np.arange(ends[e], ends[e + 1]))
+        inverse = _inverse(gram[np.ix_(rest, rest)], np.sqrt(np.diag(gram)[rest]))
+        along = inverse @ gram[rest, e]
+        beside.append((rest, inverse, along, float(gram[e, e] - gram[rest, e] @ along)))
+    left: list[dict[Key, float]] = [{} for _ in range(count)]
     for rival in rivals:
-        if rival.key == own:
+        if _in_campaign(rival, keys):
             continue
         if rival.fixed:
-            remaining = truth - rival.columns[:, 0]
-            d = snr(inner, remaining) if others is None else left_by(inner, remaining, others)
-        else:
-            columns = rival.columns if others is None else np.concatenate([rival.columns, others], axis=1)
-            d = left_by(inner, truth, columns)
-        left[rival.key] = min(d, left.get(rival.key, np.inf))
+            for e in range(count):
+                left[e][rival.key] = snr(inner, truths[:, e] - rival.columns[:, 0])
+            continue
+        own, cross = inner.gram(rival.columns, rival.columns), inner.gram(rival.columns, known)
+        for e, (rest, inverse, along, whole) in enumerate(beside):
+            toward = cross[:, e] - cross[:, rest] @ along
+            size = own - cross[:, rest] @ inverse @ cross[:, rest].T
+            explained = float(toward @ _inverse(size, np.sqrt(np.diag(own))) @ toward)
+            d = float(np.sqrt(max(whole - explained, 0.0)))
+            left[e][rival.key] = min(d, left[e].get(rival.key, np.inf))
     return left
+
+
+def _in_campaign(rival: Rival, keys: list[Key]) -> bool:
+    """Whether the campaign's own effects are, or together make, what the rival is."""
+    same = [key for key in keys if key[0] == rival.effect and set(key[1]) <= set(rival.channels)]
+    return rival.key in keys or len(same) > 1
+
+
+def _inverse(gram: Array, size: Array) -> Array:
+    """Pseudo-inverse of a Gram matrix of columns whose lengths are `size`, or were before others were taken
+    out of them; a direction below 1e-9 of the longest is no direction.
+    """
+    size = np.maximum(size, 1e-150)
+    values, vectors = np.linalg.eigh(gram / np.outer(size, size))
+    kept = values > 1e-9 * max(1.0, float(values.max(initial=0.0)))
+    scaled = vectors[:, kept] / size[:, None]
+    result: Array = (scaled / values[kept]) @ scaled.T
+    return result

@@ -24,6 +24,8 @@ def _head(scores: dict[str, Any]) -> list[str]:
     words = {
         "nothing": "with nothing wrong", "single": "with one effect", "pair": "with two",
         "triple": "with three",
+        "stale": "of stale records", "stale_culprit": "of a stale record and a culprit",
+        "strong": "with one strong effect",
         "without": "with an effect taken out of the catalogue", "stranger": "with one that never was in it",
     }  # fmt: skip
     listed = ", ".join(f"{kinds[k]} {text}" for k, text in words.items() if k in kinds)
@@ -46,20 +48,26 @@ def _head(scores: dict[str, Any]) -> list[str]:
     ]
 
 
-def _tables(summary: dict[str, Any]) -> list[str]:
+def tables(summary: dict[str, Any]) -> list[str]:
+    """Every table with a row that counts anything, in Markdown."""
     parts = []
     for table in summary["tables"]:
         rows = [row for row in table["rows"] if row["n"]]
         if not rows:
             continue
-        beside = any("clairvoyant" in row for row in rows)
-        head = "| | | clairvoyant |\n|---|---|---|\n" if beside else "| | |\n|---|---|\n"
-        lines = ""
+        more = [name for name in ("aim", "clairvoyant") if any(name in row for row in rows)]
+        head = "".join(f" {name} |" for name in more)
+        lines = f"| | |{head}\n|---|---|{'---|' * len(more)}\n"
         for row in rows:
-            ideal = f" {100 * row['clairvoyant']:.1f} % |" if "clairvoyant" in row else " |" * beside
-            lines += f"| {row['row']} | {Share(row['k'], row['n']).text()} |{ideal}\n"
-        parts.append(f"### {table['title']}\n\n{head}{lines}")
+            beside = "".join(f" {_beside(row[name])} |" if name in row else " |" for name in more)
+            lines += f"| {row['row']} | {Share(row['k'], row['n']).text()} |{beside}\n"
+        parts.append(f"### {table['title']}\n\n{lines}")
     return parts
+
+
+def _beside(value: str | float) -> str:
+    """An aim in words, or the clairvoyant's share."""
+    return value if isinstance(value, str) else f"{100 * value:.1f} %"
 
 
 def _reliability(summary: dict[str, Any]) -> str:
@@ -92,7 +100,7 @@ def page(scores: dict[str, Any]) -> str:
     """The page in Markdown; the figures lie beside it."""
     summary = scores["summary"]
     figures = [f"![{text}]({name}.png)\n\n{text}\n" for name, text in _CAPTIONS.items()]
-    parts = [*_head(scores), "## Scores\n", *_tables(summary), _reliability(summary)]
+    parts = [*_head(scores), "## Scores\n", *tables(summary), _reliability(summary)]
     return "\n".join([*parts, _spread(summary), "## Figures\n", *figures])
 
 

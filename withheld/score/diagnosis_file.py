@@ -15,18 +15,24 @@ Key = tuple[str, tuple[str, ...], tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Cause:
-    """One effect judged present, with its rivals; `parameters`: name -> (value, std), numbers only."""
+    """One effect judged present, with its rivals.  `parameters`: name -> (value, std), numbers only;
+    `closure`: its own, as far as it is stated, with its `rank`.
+    """
 
     key: Key
     probability: float
     group_probability: float
     group: tuple[Key, ...]
     parameters: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    closure: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is scored of a diagnosis.json; `where`: (stage, channels, runs) in the order stated."""
+    """What is scored of a diagnosis.json; `where`, `remainder`: (stage, channels, runs) in the order stated;
+    `closure`: (fraction, std), `closure_reaches`: the upper end of its 95 % interval; `resembles`: (effect,
+    channels, runs) likewise.
+    """
 
     verdict: str
     gap_probability: float
@@ -34,6 +40,9 @@ class Diagnosis:
     where: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...]
     causes: tuple[Cause, ...]
     closure: tuple[float, float] | None
+    closure_reaches: float | None = None
+    remainder: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = ()
+    resembles: tuple[Key, ...] = ()
 
 
 def _probability(value: Any, name: str, path: Path) -> float:
@@ -73,13 +82,23 @@ def _number_pairs(parameters: Mapping[str, Any]) -> dict[str, tuple[float, float
     return pairs
 
 
+def _own_closure(stated: Mapping[str, Any]) -> dict[str, float]:
+    """A cause's own closures and its rank, those that are numbers."""
+    names = ("alone", "removed", "cumulative", "rank")
+    return {name: float(stated[name]) for name in names if isinstance(stated.get(name), int | float)}
+
+
+def _places(items: list[Mapping[str, Any]]) -> tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...]:
+    return tuple((p["stage"], tuple(p["channels"]), tuple(p.get("runs", ("*",)))) for p in items)
+
+
 def _cause(item: Mapping[str, Any], path: Path) -> Cause:
     probability = _probability(item["probability"], "a cause's probability", path)
     group = tuple(key_of(member) for member in item.get("group", [])) or (key_of(item),)
     return Cause(
         key_of(item), probability,
         _probability(item.get("group_probability", probability), "group_probability", path),
-        group, _number_pairs(item.get("parameters", {})),
+        group, _number_pairs(item.get("parameters", {})), _own_closure(item.get("closure") or {}),
     )  # fmt: skip
 
 
@@ -101,11 +120,12 @@ def read_diagnosis(path: Path) -> Diagnosis:
             document["verdict"],
             _probability(document["gap_probability"], "gap_probability", path),
             _probability(document["unknown_probability"], "unknown_probability", path),
-            tuple(
-                (p["stage"], tuple(p["channels"]), tuple(p.get("runs", ("*",)))) for p in document["where"]
-            ),
+            _places(document["where"]),
             tuple(_cause(item, path) for item in document["causes"]),
             None if closure is None else (float(closure["fraction"]), float(closure["std"])),
+            None if closure is None else float(closure["interval_95"][1]),
+            _places((document.get("remainder") or {}).get("where") or []),
+            tuple(key_of(item) for item in document.get("resembles") or []),
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise BadInput(f"{path}: not of the contract's form ({error!r})") from error

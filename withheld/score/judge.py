@@ -1,15 +1,14 @@
 """One diagnosis beside one label: what was right and what was wrong."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from withheld.effects.catalogue import IN_ONE_RUN
-from withheld.score.diagnosis_file import Cause, Diagnosis, Key, key_of
+from withheld.score.diagnosis_file import Cause, Diagnosis
+from withheld.score.entries import EntryScores, score_entries
+from withheld.score.matching import matches, parameter_errors, separation_of
 from withheld.study.protocol import Thresholds
 
-CATALOGUED = ("single", "pair", "triple")
 OUTSIDE = ("without", "stranger")
 
 
@@ -35,6 +34,10 @@ class Outcome:
     gap, unknown : (probability, right)
     pulls : (value - truth) / std, and attainable : std / attainable std
     closure : (fraction, std, oracle)
+    entries : scores of all entries together, of cases with catalogued effects
+    target : SNR that the plan asked for; 0 where it was drawn
+    oracle : the oracle's closure, of cases with catalogued effects
+    overstated : of `explained`, whether the closure's interval ends below what that needs; else None
     group_size, group_pure : of the first cause's group: members, and members that belong in it
     seconds : time the diagnoser took [s]
     """
@@ -66,50 +69,24 @@ class Outcome:
     group_pure: int | None = None
     impure_far: bool | None = None
     seconds: float | None = None
-
-
-def same(stated: Key, truth: Key) -> bool:
-    """Whether a stated cause is the truth: effect and channels, and the run where the effect sits in one.
-
-    A swap may be named from either side, its partner left out, but not with another partner.
-    """
-    if stated[0] != truth[0]:
-        return False
-    if truth[0] in IN_ONE_RUN and stated[2] != truth[2]:
-        return False
-    if truth[0] == "channel_swap":
-        return bool(stated[1]) and set(stated[1]) <= set(truth[1])
-    return stated[1] == truth[1]
-
-
-def _is(key: Key, effect: Mapping[str, Any]) -> bool:
-    return same(key, key_of(effect))
-
-
-def separation_of(member: Key, effect: Mapping[str, Any], kept_below: float) -> float:
-    """What the clairvoyant says of a stated member: 0 for the truth itself; `kept_below`, the largest that a
-    label keeps, for what it does not list.
-    """
-    if _is(member, effect):
-        return 0.0
-    for rival in effect["rivals"]:
-        if same(member, key_of(rival)):
-            return float(rival["separation"])
-    return kept_below
+    entries: EntryScores | None = None
+    target: float = 0.0
+    oracle: float | None = None
+    overstated: bool | None = None
 
 
 def _group_right(cause: Cause, effect: Mapping[str, Any], never: float) -> bool:
     """The truth is in the cause's group, and nobody who is far from it."""
     far = [m for m in cause.group if separation_of(m, effect, never) >= never]
-    return any(_is(m, effect) for m in cause.group) and not far
+    return any(matches(m, effect) for m in cause.group) and not far
 
 
 def _matched(diagnosis: Diagnosis, effects: list[Mapping[str, Any]], never: float) -> tuple[int, int]:
     """How many effects stand among the leading causes by name, and by pure group."""
     leading = diagnosis.causes[: len(effects)]
-    by_name = sum(any(_is(cause.key, effect) for cause in leading) for effect in effects)
+    by_name = sum(any(matches(cause.key, effect) for cause in leading) for effect in effects)
     by_group = sum(
-        any(_is(cause.key, effect) or _group_right(cause, effect, never) for cause in leading)
+        any(matches(cause.key, effect) or _group_right(cause, effect, never) for cause in leading)
         for effect in effects
     )
     return by_name, by_group
@@ -143,40 +120,27 @@ def _fate(diagnosis: Diagnosis, effect: Mapping[str, Any], thresholds: Threshold
     return "misattributed" if effect["best_rival"] >= thresholds.stranger_keeps else "indistinguishable"
 
 
-def _difference(effect: str, name: str, value: float, known: float) -> float:
-    """Stated less true, where one thing has two names: an angle, a turn on; a magnetic bias, negated with the
-    field's direction turned round.
-    """
-    if name == "phase_rad":
-        return math.remainder(value - known, 2.0 * math.pi)
-    if effect == "magnetic_bias" and name == "deg_h":
-        return abs(value) - abs(known)
-    return value - known
-
-
 def _pulls(
     diagnosis: Diagnosis, effects: list[Mapping[str, Any]]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Pulls of parameters of causes right by name, and stated over attainable standard deviations."""
     pulls, ratios = [], []
     for effect in effects:
-        truth: dict[str, Any] = {}
-        for name, value in effect["parameters"].items():
-            values = (
-                {f"{name}[{k}]": v for k, v in enumerate(value)} if isinstance(value, list) else {name: value}
-            )
-            truth |= values
         for cause in diagnosis.causes:
-            if not _is(cause.key, effect):
+            if not matches(cause.key, effect):
                 continue
-            for name, (value, std) in cause.parameters.items():
-                known = truth.get(name)
-                if std > 0.0 and isinstance(known, int | float):
-                    pulls.append(_difference(cause.key[0], name, value, known) / std)
+            pulls += [pull for pull, _ in parameter_errors(cause, effect)]
             numbers = list(cause.parameters.values())
             if effect["attainable_std"] and len(numbers) == 1 and numbers[0][0] != 0.0:
                 ratios.append(numbers[0][1] / abs(numbers[0][0]) / effect["attainable_std"])
     return tuple(pulls), tuple(ratios)
+
+
+def _overstated(diagnosis: Diagnosis, thresholds: Thresholds) -> bool | None:
+    reaches = diagnosis.closure_reaches
+    if diagnosis.verdict != "explained" or reaches is None:
+        return None
+    return reaches < thresholds.explained_reaches
 
 
 def judge(
@@ -187,17 +151,20 @@ def judge(
 ) -> Outcome:
     """The outcome of one case; without a diagnosis of the contract's form it is wrong in every respect."""
     kind, effects = label["kind"], list(label["effects"])
-    wrong, outside = kind != "nothing", kind in OUTSIDE
+    wrong, outside = bool(effects), kind in OUTSIDE
+    catalogued = wrong and not outside
     faintest = min(effects, key=lambda e: e["snr"]) if effects else None
     base = {
         "case": label["case"], "kind": kind, "design": label["design"], "gyros": label["gyros"],
         "effects": tuple(e["effect"] for e in effects), "snr": faintest["snr"] if faintest else None,
         "separated": faintest["best_rival"] if faintest else None, "seconds": seconds,
+        "entries": score_entries(label, diagnosis, thresholds) if catalogued else None,
+        "target": label.get("target_snr", 0.0), "oracle": label["oracle_closure"] if catalogued else None,
     }  # fmt: skip
     if diagnosis is None:
         return Outcome(
-            **base, valid=False, flagged=not wrong, exact=False if kind in CATALOGUED else None,
-            by_group=False if kind in CATALOGUED else None, named=0 if kind in CATALOGUED else None,
+            **base, valid=False, flagged=not wrong, exact=False if catalogued else None,
+            by_group=False if catalogued else None, named=0 if catalogued else None,
             verdict_right=False, fate="missed" if outside else None, place_right=False if wrong else None,
             answer="invalid",
         )  # fmt: skip
@@ -205,7 +172,7 @@ def judge(
     flagged = diagnosis.verdict != "no_gap"
     exact = by_group = named = fate = None
     verdict_right = not flagged
-    if kind in CATALOGUED:
+    if catalogued:
         named, grouped = _matched(diagnosis, effects, thresholds.group_never)
         extra = len(diagnosis.causes) > len(effects)
         exact, by_group = named == len(effects) and not extra, grouped == len(effects) and not extra
@@ -214,17 +181,13 @@ def judge(
         fate = _fate(diagnosis, effects[0], thresholds)
         verdict_right = diagnosis.verdict in ("unexplained", "partly_explained")
 
-    stated = tuple((c.probability, any(_is(c.key, e) for e in effects)) for c in diagnosis.causes)
+    stated = tuple((c.probability, any(matches(c.key, e) for e in effects)) for c in diagnosis.causes)
     stated_group = tuple(
-        (c.group_probability, any(_is(m, e) for e in effects for m in c.group)) for c in diagnosis.causes
+        (c.group_probability, any(matches(m, e) for e in effects for m in c.group)) for c in diagnosis.causes
     )
     pulls, ratios = _pulls(diagnosis, effects)
-    oracle = label["oracle_closure"]
-    closure = (
-        (*diagnosis.closure, oracle)
-        if diagnosis.closure and oracle is not None and kind in CATALOGUED
-        else None
-    )
+    oracle = base["oracle"]
+    closure = (*diagnosis.closure, oracle) if diagnosis.closure and oracle is not None else None
     first = diagnosis.causes[0] if diagnosis.causes else None
     size = pure = far = None
     if first is not None and kind == "single":
@@ -237,5 +200,6 @@ def judge(
         place_right=place_right(diagnosis, effects) if wrong else None,
         answer=first.key[0] if first else diagnosis.verdict, stated=stated, stated_group=stated_group,
         gap=(diagnosis.gap_probability, wrong), unknown=(diagnosis.unknown_probability, outside),
-        pulls=pulls, attainable=ratios, closure=closure, group_size=size, group_pure=pure, impure_far=far,
+        overstated=_overstated(diagnosis, thresholds), pulls=pulls, attainable=ratios, closure=closure,
+        group_size=size, group_pure=pure, impure_far=far,
     )  # fmt: skip

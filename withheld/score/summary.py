@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 
 from withheld.effects.catalogue import FULL_RATE
+from withheld.score.class_tables import class_tables
 from withheld.score.judge import OUTSIDE, Outcome
+from withheld.score.rows import row, table
 from withheld.score.wilson import Share, share
+from withheld.study.classes import CLASSES
 from withheld.study.protocol import Thresholds
 
 # Edges of bands of signal-to-noise ratio; the last is open.
@@ -27,15 +30,6 @@ def bands(outcomes: list[Outcome]) -> list[tuple[str, list[Outcome]]]:
         (band_name(low, high), [o for o in outcomes if o.snr is not None and low <= o.snr < high])
         for low, high in pairwise(BANDS)
     ]
-
-
-def _row(name: str, part: Share) -> dict[str, Any]:
-    low, high = part.interval
-    return {"row": name, "k": part.k, "n": part.n, "low": low, "high": high}
-
-
-def _table(title: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    return {"title": title, "rows": rows}
 
 
 def clairvoyant_share(group: list[Outcome], thresholds: Thresholds) -> tuple[float, float]:
@@ -60,17 +54,17 @@ def _causes(title: str, outcomes: list[Outcome], thresholds: Thresholds) -> dict
         seen, named = clairvoyant_share(group, thresholds)
         apart = [o for o in group if (o.separated or 0.0) >= never]
         rows += [
-            _row(f"SNR {name}: a gap was seen", share([o.flagged for o in group])) | {"clairvoyant": seen},
-            _row(f"SNR {name}: right cause", share([bool(o.exact) for o in group])) | {"clairvoyant": named},
-            _row(f"SNR {name}: right cause or pure group", share([bool(o.by_group) for o in group])),
-            _row(
+            row(f"SNR {name}: a gap was seen", share([o.flagged for o in group])) | {"clairvoyant": seen},
+            row(f"SNR {name}: right cause", share([bool(o.exact) for o in group])) | {"clairvoyant": named},
+            row(f"SNR {name}: right cause or pure group", share([bool(o.by_group) for o in group])),
+            row(
                 f"SNR {name}: right cause, every rival separated by {never:g}",
                 share([bool(o.exact) for o in apart]),
             ),
-            _row(f"SNR {name}: right place first", share([bool(o.place_right) for o in group])),
-            _row(f"SNR {name}: verdict explained", share([o.verdict_right for o in group])),
+            row(f"SNR {name}: right place first", share([bool(o.place_right) for o in group])),
+            row(f"SNR {name}: verdict explained", share([o.verdict_right for o in group])),
         ]
-    return _table(title, rows)
+    return table(title, rows)
 
 
 def _outside(title: str, outcomes: list[Outcome], keeps: float) -> list[dict[str, Any]]:
@@ -82,12 +76,12 @@ def _outside(title: str, outcomes: list[Outcome], keeps: float) -> list[dict[str
         (f"{title}, all", outcomes),
     ):
         rows = [
-            _row(f"SNR {band}: {fate.replace('_', ' ')}", share([o.fate == fate for o in group]))
+            row(f"SNR {band}: {fate.replace('_', ' ')}", share([o.fate == fate for o in group]))
             for band, group in bands(chosen)
             for fate in FATES
             if group
         ]
-        tables.append(_table(name, rows))
+        tables.append(table(name, rows))
     return tables
 
 
@@ -109,7 +103,7 @@ def reliability(pairs: list[tuple[float, bool]]) -> dict[str, Any]:
             continue
         p, n = float(stated[inside].mean()), int(inside.sum())
         part = Share(int(right[inside].sum()), n)
-        out["bins"].append({"stated": p, **_row(f"{b / 10:.1f}", part)})
+        out["bins"].append({"stated": p, **row(f"{b / 10:.1f}", part)})
         error += abs(p - right[inside].mean()) * n
         # mean absolute value of a normal of that deviation
         expected += np.sqrt(2 / np.pi) * np.sqrt(float(np.sum(stated[inside] * (1 - stated[inside])))) / n * n
@@ -125,8 +119,12 @@ def _quantiles(values: list[float]) -> dict[str, Any]:
 
 
 def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]:
-    """Tables (each row k of n with its interval), reliabilities, pulls, closure, groups, time, confusions."""
+    """Classes first; then what the first studies had, over their own kinds of cases.
+
+    Tables (each row k of n with its interval), reliabilities, pulls, closure, groups, time, confusions.
+    """
     keeps = thresholds.stranger_keeps
+    everyone, outcomes = outcomes, [o for o in outcomes if o.kind not in CLASSES]
     nothing = [o for o in outcomes if o.kind == "nothing"]
     single = [o for o in outcomes if o.kind == "single"]
     several = [o for o in outcomes if o.kind in ("pair", "triple")]
@@ -141,9 +139,9 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
     ]
     groups = [o for o in single if o.group_size]
     tables = [
-        _table("Nothing wrong", [
-            _row("called a gap", share([o.flagged for o in nothing])),
-            _row("diagnosis of the contract's form, all cases", share([o.valid for o in outcomes])),
+        table("Nothing wrong", [
+            row("called a gap", share([o.flagged for o in nothing])),
+            row("diagnosis of the contract's form, all cases", share([o.valid for o in everyone])),
         ]),
         _causes("One effect, eight runs", [o for o in single if o.design.startswith("eight")], thresholds),
         _causes("One effect, all designs, slow",
@@ -151,37 +149,37 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
         _causes("One effect, all designs, full rate",
                 [o for o in single if o.effects[0] in FULL_RATE], thresholds),
         _causes("Two and three effects", several, thresholds),
-        _table("Two and three effects, each effect", [
-            _row("named", Share(sum(o.named or 0 for o in several), sum(len(o.effects) for o in several)))]),
-        _table("One effect, by design", [
-            _row(f"{d}: right cause or pure group",
+        table("Two and three effects, each effect", [
+            row("named", Share(sum(o.named or 0 for o in several), sum(len(o.effects) for o in several)))]),
+        table("One effect, by design", [
+            row(f"{d}: right cause or pure group",
                  share([bool(o.by_group) for o in single if o.design == d]))
             for d in sorted({o.design for o in single})]),
         *_outside("Never in the catalogue", [o for o in outside if o.kind == "stranger"], keeps),
         *_outside("Taken out of the catalogue", [o for o in outside if o.kind == "without"], keeps),
-        _table("Groups (one effect)", [
-            _row("members that belong (separation below 4)", Share(
+        table("Groups (one effect)", [
+            row("members that belong (separation below 4)", Share(
                 sum(o.group_pure or 0 for o in groups), sum(o.group_size or 0 for o in groups))),
-            _row("groups without a member separated by 6 or more", share([not o.impure_far for o in groups])),
-            _row("of at most 4 members, eight runs",
+            row("groups without a member separated by 6 or more", share([not o.impure_far for o in groups])),
+            row("of at most 4 members, eight runs",
                  share([(o.group_size or 0) <= 4 for o in groups if o.design.startswith("eight")])),
-            _row("of at most 8 members, one run",
+            row("of at most 8 members, one run",
                  share([(o.group_size or 0) <= 8 for o in groups if o.design.startswith("one")])),
         ]),
-        _table("Parameters of right causes", [
-            _row("within 2 standard deviations", share([abs(p) < 2 for p in pulls]))]),
-        _table("Closure against the oracle, right causes", [
-            _row("within 0.03", share([abs(d) < 0.03 for d, _, _ in close])),
-            _row("within 0.03, SNR 20 and up", share([abs(d) < 0.03 for d, _, snr in close if snr >= 20])),
-            _row("within 2 of its own standard deviations",
+        table("Parameters of right causes", [
+            row("within 2 standard deviations", share([abs(p) < 2 for p in pulls]))]),
+        table("Closure against the oracle, right causes", [
+            row("within 0.03", share([abs(d) < 0.03 for d, _, _ in close])),
+            row("within 0.03, SNR 20 and up", share([abs(d) < 0.03 for d, _, snr in close if snr >= 20])),
+            row("within 2 of its own standard deviations",
                  share([abs(d) < 2 * max(s, 1e-9) for d, s, _ in close])),
-            _row("within 2 of its own standard deviations, SNR below 20",
+            row("within 2 of its own standard deviations, SNR below 20",
                  share([abs(d) < 2 * max(s, 1e-9) for d, s, snr in close if snr < 20]))]),
     ]  # fmt: skip
     return {
-        "cases": len(outcomes),
-        "kinds": dict(Counter(o.kind for o in outcomes)),
-        "tables": tables,
+        "cases": len(everyone),
+        "kinds": dict(Counter(o.kind for o in everyone)),
+        "tables": [*class_tables(everyone, thresholds), *tables],
         "clairvoyant": [
             {"band": name, "n": len(group), "seen": seen, "named": named}
             for name, group in bands(single) if group
@@ -199,7 +197,7 @@ def summarise(outcomes: list[Outcome], thresholds: Thresholds) -> dict[str, Any]
         "std_over_attainable": _quantiles([r for o in outcomes for r in o.attainable]),
         "closure_less_oracle": _quantiles([d for d, _, _ in close]),
         "group_size": _quantiles([float(o.group_size) for o in groups if o.group_size]),
-        "seconds": _quantiles([o.seconds for o in outcomes if o.seconds is not None]),
+        "seconds": _quantiles([o.seconds for o in everyone if o.seconds is not None]),
         "confusion": [
             {"truth": truth, "answer": answer, "n": n}
             for (truth, answer), n in sorted(Counter((o.effects[0] if o.effects else "nothing", o.answer)

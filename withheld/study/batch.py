@@ -5,7 +5,8 @@ from pathlib import Path
 from withheld.atomic import write_json
 from withheld.chain.injector import write_campaign
 from withheld.errors import BadInput
-from withheld.study.cases import Plan, draw_case, label, plans
+from withheld.study.cases import draw_case, label, plans
+from withheld.study.plan import Plan
 from withheld.study.protocol import FIRST_STUDY_SEED, Protocol
 
 
@@ -24,9 +25,9 @@ def make_batch(protocol: Protocol, chosen: list[Plan], folder: Path, labels: Pat
     """
     sealed = []
     for plan in chosen:
-        case = draw_case(protocol, plan)
-        write_campaign(case.world, folder / "campaigns" / plan.name, folder / "calibrations")
-        sealed.append(label(protocol, case))
+        drawn = draw_case(protocol, plan)
+        write_campaign(drawn.world, folder / "campaigns" / plan.name, folder / "calibrations")
+        sealed.append(label(protocol, plan, drawn))
     write_json(folder / "public.json", {plan.name: {"without": list(plan.without)} for plan in chosen})
     write_json(labels, sealed)
 

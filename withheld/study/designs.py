@@ -90,3 +90,12 @@ def draw_campaign(
             )
         )  # fmt: skip
     return Campaign(name, replace(unit, name=f"{unit.name}-{name}"), tuple(runs))
+
+
+def any_campaign(
+    name: str, rng: np.random.Generator, temperature_share: float, designs: dict[str, float] = DESIGNS
+) -> tuple[str, Campaign]:
+    """A design drawn by weight, and a campaign of it: four gyros mostly, else three or six."""
+    design = str(rng.choice(list(designs), p=np.array(list(designs.values()))))
+    gyros = int(rng.choice([4, 3, 6], p=[0.7, 0.15, 0.15]))
+    return design, draw_campaign(name, design, gyros, rng, bool(rng.random() < temperature_share))

@@ -21,13 +21,15 @@ WOBBLES = (
 )  # fmt: skip
 
 
-def draw_entry(effect: str, campaign: Campaign, rng: np.random.Generator, wobble_most: float) -> Entry:
-    """An entry with its first amplitude, in a random seat, with a departure from the catalogue's shape.
+def draw_entry(
+    effect: str, campaign: Campaign, rng: np.random.Generator, wobble_most: float, gyro: int | None = None
+) -> Entry:
+    """An entry with its first amplitude, with a departure from the catalogue's shape.
 
-    `wobble_most`: largest relative modulation (rms).
+    `wobble_most`: largest relative modulation (rms).  `gyro`: where it sits, from 0; else drawn.
     """
     law = LAWS[effect]
-    gyro = int(rng.integers(campaign.unit.n))
+    gyro = int(rng.integers(campaign.unit.n)) if gyro is None else gyro
     seats = {"gyro": (f"gyro{gyro + 1}",), "table": ("table",), "clock": ("clock",)}
     channels = seats.get(law.seat) or tuple(f"gyro{i + 1}" for i in range(campaign.unit.n))
     runs = (campaign.runs[rng.integers(len(campaign.runs))].run_id,) if effect in IN_ONE_RUN else ("*",)

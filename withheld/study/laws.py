@@ -36,6 +36,14 @@ def _direction(rng: np.random.Generator) -> list[float]:
     return [round(float(x), 6) for x in v / np.linalg.norm(v)]
 
 
+def _across(campaign: Campaign, gyro: int, rng: np.random.Generator) -> list[float]:
+    """A direction at right angles to the gyro's axis: a part along it would do nothing."""
+    axis = campaign.unit.axes[gyro] / np.linalg.norm(campaign.unit.axes[gyro])
+    v = rng.standard_normal(3)
+    v -= axis * (axis @ v)
+    return [round(float(x), 9) for x in v / np.linalg.norm(v)]
+
+
 def _other_gyro(campaign: Campaign, gyro: int, rng: np.random.Generator) -> str:
     n = campaign.unit.n
     return f"gyro{(gyro + rng.integers(1, n)) % n + 1}"
@@ -125,7 +133,7 @@ LAWS: dict[str, Law] = {
     "scale_factor_nonlinearity": Law(
         "ppm_at_10_deg_s", 50.0, 0.1, 1e5, "gyro", departure=_share(0, 0.08, "quartic")
     ),
-    "axis_misalignment": Law("mrad", 0.2, 1e-3, 50.0, "gyro", lambda c, g, r: {"mrad": _direction(r)}),
+    "axis_misalignment": Law("mrad", 0.2, 1e-3, 50.0, "gyro", lambda c, g, r: {"mrad": _across(c, g, r)}),
     "acceleration_bias": Law("deg_h_per_g", 0.5, 1e-3, 1e3),
     "magnetic_bias": Law("deg_h", 0.5, 1e-3, 1e3, "gyro", lambda c, g, r: {"field_direction": _direction(r)}),
     "dead_zone": Law(

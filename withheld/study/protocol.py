@@ -25,11 +25,20 @@ class Thresholds:
     group_never : a group that holds a member separated by this much is impure
     stranger_keeps : an effect outside the catalogue counts as misattributed only where it keeps this
         separation from its best catalogue rival; below, it is indistinguishable
+    named_snr, named_distance : an entry of this SNR that keeps this separation from every rival, each with
+        the campaign's other entries beside it, must be named
+    closure_within, effect_closure_within : how near a stated closure has to come to the oracle's
+    explained_reaches : `explained` is wrong where the closure's 95 % interval ends below this
     """
 
     group_below: float = 4.0
     group_never: float = 6.0
     stranger_keeps: float = 5.0
+    named_snr: float = 8.0
+    named_distance: float = 6.0
+    closure_within: float = 0.03
+    effect_closure_within: float = 0.05
+    explained_reaches: float = 0.97
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,7 @@ class Protocol:
     noise_level_rel : 1-sigma doubt of a record's white noise level, relative
     link_fault : chance that a healthy link loses or spoils a sample
     temperature_share : share of campaigns with a temperature log
+    classes : numbers of campaigns of each class of `withheld.study.classes`
     decoy_share : share of other cases in which some innocent effect is taken out of the catalogue
     """
 
@@ -73,6 +83,7 @@ class Protocol:
     link_fault: float = 1e-6
     temperature_share: float = 0.75
     decoy_share: float = 0.1
+    classes: dict[str, int] = field(default_factory=dict)
     thresholds: Thresholds = field(default_factory=Thresholds)
 
     @property
@@ -84,7 +95,7 @@ class Protocol:
             (self.strangers_each, len(STRANGERS)),
         ]
         effects = sum(self.singles_total or number * size for number, size in each)
-        return self.nothing_wrong + effects + self.pairs + self.triples
+        return self.nothing_wrong + effects + self.pairs + self.triples + sum(self.classes.values())
 
     @property
     def domain(self) -> str:
@@ -123,7 +134,7 @@ def code_hash() -> str:
     root = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
     parts = ("chain", "effects", "study", "clairvoyant", "score")
-    for path in sorted(path for part in parts for path in (root / part).glob("*.py")):
+    for path in sorted(path for part in parts for path in (root / part).rglob("*.py")):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 

@@ -39,7 +39,7 @@ def withheld_code(*parts):
     root = Path(str(workflow.current_basedir)).resolve().parents[1] / "withheld"
     digest = hashlib.sha256()
     for part in parts:
-        for path in sorted((root / part).glob("*.py")):
+        for path in sorted((root / part).rglob("*.py")):
             digest.update(path.read_bytes())
     return digest.hexdigest()
 

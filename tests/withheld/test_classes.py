@@ -1,0 +1,103 @@
+"""Classes of campaigns: what they hold, and one command that runs one of them."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from withheld.atomic import read_json
+from withheld.cli import main
+from withheld.effects.catalogue import NAMES
+from withheld.errors import BadInput
+from withheld.examine import KINDS, only
+from withheld.streams import stream
+from withheld.study.cases import draw_case, plans
+from withheld.study.classes import CLASSES
+from withheld.study.classes.stale import FEWEST, MOST, stale_entries
+from withheld.study.classes.strong import LEVELS
+from withheld.study.designs import any_campaign
+
+
+def test_every_cell_comes_once_before_any_comes_twice():
+    cells = CLASSES["strong"].spread(150, np.random.default_rng(1))
+    assert len(set(cells[:120])) == 120 == len(NAMES) * len(LEVELS)
+    assert max(Counter(cells).values()) == 2
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_stale_records_hold_some_entries_of_unequal_sizes(seed):
+    rng = np.random.default_rng(seed)
+    _, campaign = any_campaign("c", rng, 0.75)
+    entries = stale_entries(campaign, rng, 0.04)
+    assert FEWEST <= len(entries) <= MOST
+    assert len({(e.effect, e.channels) for e in entries}) == len(entries)
+    offsets = [abs(e.number("deg_h")) for e in entries if e.effect == "bias_offset"]
+    assert len(set(offsets)) == len(offsets)
+    for e in entries:
+        if e.effect == "axis_misalignment":
+            # all of it shows: nothing lies along the gyro's own axis (but the rounding of six digits)
+            assert campaign.unit.axes[e.gyros()[0]] @ np.array(e.parameters["mrad"]) == pytest.approx(
+                0.0, abs=2e-5
+            )
+
+
+def test_sizes_of_ageing_are_those_of_the_class_of_units():
+    sizes = []
+    for seed in range(60):
+        rng = stream(seed, "sizes")
+        _, campaign = any_campaign("c", rng, 0.75, {"eight": 1.0})
+        sizes += [
+            abs(e.number("deg_h")) for e in stale_entries(campaign, rng, 0.04) if e.effect == "bias_offset"
+        ]
+    # lognormal about 0.6 deg/h with 0.6: nine in ten between 0.22 and 1.6
+    low, high = np.percentile(sizes, [5, 95])
+    assert 0.15 < low < 0.32
+    assert 1.1 < high < 2.3
+
+
+def test_a_culprit_stands_beside_a_stale_record():
+    plan = plans(only("stale_culprit", 3, 1))[0]
+    drawn = draw_case(only("stale_culprit", 3, 1), plan)
+    assert drawn.roles.count("culprit") == 1
+    assert drawn.world.entries[-1].effect == plan.effects[0]
+    assert len(drawn.roles) == len(drawn.world.entries) >= FEWEST + 1
+
+
+def test_strong_effects_meet_their_target_and_half_keep_the_catalogue_s_shape():
+    from withheld.study.cases import label
+
+    protocol = only("strong", 5, 120)
+    chosen = [p for p in plans(protocol) if p.effects[0] in ("bias_ramp", "warm_up") and p.snr == 200.0]
+    for plan in chosen:
+        drawn = draw_case(protocol, plan)
+        assert label(protocol, plan, drawn)["effects"][0]["snr"] == pytest.approx(200.0, rel=0.03)
+    shapes = Counter(
+        bool(draw_case(only("strong", seed, 120), chosen[0]).world.entries[0].departure) for seed in range(8)
+    )
+    assert shapes[True] > 0
+    assert shapes[False] > 0
+
+
+def test_no_class_has_an_effect_taken_out():
+    assert not any(plan.without for plan in plans(only("stale", 1, 60)))
+
+
+def test_kinds_by_name():
+    assert only("pair", 1, 7).cases == 7
+    assert only("nothing", 1, 3).cases == 3
+    with pytest.raises(BadInput, match="kind muddle: expected one of nothing, "):
+        only("muddle", 1, 3)
+    assert set(CLASSES) < set(KINDS)
+
+
+def test_examine_makes_diagnoses_scores_and_goes_on_where_it_was(tmp_path, capsys):
+    call = ["examine", "strong", "--seed", "4", "--campaigns", "1", "--out", str(tmp_path / "out"),
+            "--diagnoser", "python -m withheld candidate no_gap --batch {batch} --out {out}"]  # fmt: skip
+    assert main(call) == 0
+    assert "| named once (or one of its true group), and explained | 0 of 1" in capsys.readouterr().out
+    assert not (tmp_path / "out" / "batches").exists() or not list((tmp_path / "out" / "batches").iterdir())
+    stamp = (tmp_path / "out" / "labels" / "batch-000.json").stat().st_mtime_ns
+    assert main(call) == 0
+    assert (tmp_path / "out" / "labels" / "batch-000.json").stat().st_mtime_ns == stamp
+    assert read_json(tmp_path / "out" / "scores.json")["cases"] == 1
+    assert main([*call[:2], "--seed", "1000000", *call[4:]]) == 2
