@@ -101,7 +101,7 @@ def _known_of_csv(capture: Path) -> Known:
     from fogreduce.constants import MICROSECONDS_PER_SECOND
     from fogreduce.datasets.readers import csv1
 
-    gyros = csv1.read_columns(capture)
+    gyros, _ = csv1.read_columns(capture)
     try:
         blocks = csv1.CsvReader(capture, 1.0).blocks(_RECORDS)
         time_s = np.concatenate([block.time_us for block in blocks]) / MICROSECONDS_PER_SECOND

@@ -111,19 +111,17 @@ def read_inputs(
     return inputs
 
 
-def read_samples(one: RunInput, capture: Path | None = None, actions: Sequence[Action] = ()) -> Samples:
+def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
     """The capture of a run beside its prediction, every sample.
 
     Parameters
     ----------
     one : RunInput
-    capture : path
-        Another capture of the same run than its own.
     actions : sequence of Action
         Effects in the chain that predicts; no filters, which remember what came before.
     """
     facts, run = one.facts, one.run
-    path = capture or one.folder / run.capture.file
+    path = one.folder / run.capture.file
     reader = open_capture(path, run.capture.format, facts.sample_rate_hz)
     wrong = contradictions(reader.facts, facts, path)
     if wrong:

@@ -17,6 +17,7 @@ from fogreduce.gap.capture import SLOWEST_HZ, RunInput, Samples, block_residual,
 from fogreduce.gap.converter import Codes, codes
 from fogreduce.gap.full_rate import LEAST_LINE_HZ, PIECE, FullRate, full_rate, straightened
 from fogreduce.gap.link import zero_bits
+from fogreduce.metadata.folder import load_run
 from fogreduce.physics.noise import white_sigma
 from fogreduce.simulate.streams import stream
 
@@ -82,7 +83,7 @@ class Data:
         What a gross fault changes is far larger than noise: its curvature within a second passes for lines.
         """
         return replace(
-            self, full=[_full_rate(one, read_samples(one, None, _steady(actions))) for one in self.inputs]
+            self, full=[_full_rate(one, read_samples(one, _steady(actions))) for one in self.inputs]
         )
 
     def bent(self, actions: Sequence[Action]) -> float:
@@ -119,7 +120,7 @@ def read_data(
     for one, samples in zip(inputs, captures, strict=True):
         means, size = block_residual(samples, one.scene.blocks, one.facts.sample_rate_hz)
         if simulated is not None:
-            other = read_samples(one, simulated / "runs" / one.facts.run_id / one.run.capture.file)
+            other = read_samples(_simulated(one, simulated))
             means = means - block_residual(other, one.scene.blocks, one.facts.sample_rate_hz)[0]
         means = means - _rounded_down(one, bits)[:, None]
         residual.append(np.nan_to_num(means))
@@ -127,6 +128,12 @@ def read_data(
     stated = np.array(inputs[0].record.stated_noise.angle_random_walk_deg_sqrt_h)
     cells = [_codes(one, samples, run) for one, samples, run in zip(inputs, captures, full, strict=True)]
     return Data(inputs, residual, sizes, full, stated, bits, _rails(captures, full, inputs), cells)
+
+
+def _simulated(one: RunInput, campaign: Path) -> RunInput:
+    """A run as another campaign folder has it, whose capture may be of another format."""
+    folder = campaign / "runs" / one.facts.run_id
+    return replace(one, run=load_run(folder), folder=folder)
 
 
 def _full_rate(one: RunInput, samples: Samples) -> FullRate:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fogreduce.physics.alignment import gyro_axes
 from fogreduce.physics.earth_rate import EarthPart
 from fogreduce.physics.frames import AXES, unit_from_enu
-from fogreduce.physics.raw_quantity import INCREMENTS, RawUnit, unit_of_capture
+from fogreduce.physics.raw_quantity import INCREMENTS, RawUnit, RawUnitName, unit_of_capture
 from fogreduce.physics.table_motion import Profile
 from fogreduce.units import microseconds_since_1970
 
@@ -34,10 +34,10 @@ class RunFacts:
     ----------
     raw_unit : RawUnit
         Unit of the raw readings in use, from now on just "raw unit".
-    is_increment : bool
-        Whether captured readings are angle increments over a sample, to be divided by its interval.
+    captured_in : RawUnitName
+        Unit of readings in the capture; of increments (`is_increment`) another than the one in use.
     capture_least_count : float
-        What one count stands for, or the least step of a reading, as captured [capture.raw_unit].
+        What one count stands for, or the least step of a reading, as captured [captured_in].
     scale_factor, bias, polarity : (n,) arrays
         C [raw unit/(deg/s)], B [raw unit], +1 or -1.
     projection : (3, n) array or None
@@ -61,7 +61,7 @@ class RunFacts:
     start_us: int
     sample_rate_hz: float
     raw_unit: RawUnit
-    is_increment: bool
+    captured_in: RawUnitName
     capture_least_count: float
     latitude_deg: float
     scale_factor: Array
@@ -91,7 +91,7 @@ class RunFacts:
             start_us=microseconds_since_1970(datetime.fromisoformat(run["started_at"])),
             sample_rate_hz=float(capture["sample_rate_hz"]),
             raw_unit=raw_unit,
-            is_increment=capture.get("raw_unit") in INCREMENTS,
+            captured_in=capture.get("raw_unit", "V"),
             capture_least_count=float(capture.get("volts_per_count") or capture.get("least_count") or 1.0),
             latitude_deg=float(run["site"]["latitude_deg"]),
             scale_factor=np.array(calibration[raw_unit.scale_factor_key], float),
@@ -113,6 +113,11 @@ class RunFacts:
     def n_gyros(self) -> int:
         """Number of gyros, n."""
         return len(self.scale_factor)
+
+    @property
+    def is_increment(self) -> bool:
+        """Whether captured readings are angle increments over a sample, to be divided by its interval."""
+        return self.captured_in in INCREMENTS
 
     @property
     def least_count(self) -> float:

@@ -26,8 +26,8 @@ class RawUnit:
     ----------
     name, slope_name : str
         As run.yaml, figures and pages have it; of a reading, and of a reading a second.
-    suffix, slope_suffix : str
-        The same in names of columns and keys.
+    slope_suffix : str
+        The latter in names of columns; `suffix` is the former in names of columns and keys.
     quantity : str
         What is read, in words, as a plural.
     variable, cf : str
@@ -38,12 +38,16 @@ class RawUnit:
 
     name: RawUnitName
     slope_name: str
-    suffix: str
     slope_suffix: str
     quantity: str
     variable: str
     cf: str
     per_deg_s: float | None
+
+    @property
+    def suffix(self) -> str:
+        """The unit in names of columns and keys."""
+        return suffix_of(self.name)
 
     @property
     def scale_factor_key(self) -> str:
@@ -59,17 +63,22 @@ class RawUnit:
 UNITS_IN_USE: dict[RawUnitName, RawUnit] = {
     unit.name: unit
     for unit in (
-        RawUnit("V", "V/s", "V", "V_s", "volts", "volts", "V", None),
-        RawUnit("count", "count/s", "count", "count_s", "counts", "raw", "1", None),
-        RawUnit("deg/s", "deg/s²", "deg_s", "deg_s2", "rates", "raw", "degree s-1", 1.0),
-        RawUnit("deg/h", "deg/h/s", "deg_h", "deg_h_s", "rates", "raw", "degree hour-1", 3600.0),
-        RawUnit("rad/s", "rad/s²", "rad_s", "rad_s2", "rates", "raw", "radian s-1", math.radians(1.0)),
+        RawUnit("V", "V/s", "V_s", "volts", "volts", "V", None),
+        RawUnit("count", "count/s", "count_s", "counts", "raw", "1", None),
+        RawUnit("deg/s", "deg/s²", "deg_s2", "rates", "raw", "degree s-1", 1.0),
+        RawUnit("deg/h", "deg/h/s", "deg_h_s", "rates", "raw", "degree hour-1", 3600.0),
+        RawUnit("rad/s", "rad/s²", "rad_s2", "rates", "raw", "radian s-1", math.radians(1.0)),
     )
 }
 #: Unit of an angle increment over a sample -> unit in use.
 INCREMENTS: dict[RawUnitName, RawUnitName] = {"deg": "deg/s", "rad": "rad/s"}
 
 RAW_UNITS: tuple[RawUnitName, ...] = get_args(RawUnitName)
+
+
+def suffix_of(name: RawUnitName) -> str:
+    """A unit, also one of increments, in names of columns and keys."""
+    return name.replace("/", "_")
 
 
 def rate_from_increment(increment: NDArray[np.float64], interval_s: float) -> NDArray[np.float64]:

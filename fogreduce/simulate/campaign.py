@@ -8,8 +8,9 @@ from pathlib import Path
 
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
-from fogreduce.metadata.yaml12 import dump_yaml
-from fogreduce.simulate.capture import Blocks, write_capture
+from fogreduce.metadata.run import Run
+from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
+from fogreduce.simulate.capture import Blocks, simulated, write_capture
 from fogreduce.simulate.forward import SimulatedBlock
 from fogreduce.simulate.from_curves import blocks_from_curves
 from fogreduce.simulate.own import Marks, alone_in, listed_of_others, mark_of, own_captures
@@ -40,16 +41,17 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None) -> 
         `out` lies in the campaign, holds other runs, or a capture that no simulation wrote.
     """
     _refuse(plan, out)
-    places = {run_id: Path("runs", run_id, plan.runs[run_id].capture.file) for run_id in plan.chosen}
+    runs = {run_id: simulated(plan.runs[run_id]) for run_id in plan.chosen}
+    places = {run_id: Path("runs", run_id, run.capture.file) for run_id, run in runs.items()}
     marks = own_captures({run_id: out / place for run_id, place in places.items()}, injected_path(out))
     done = 0
     with published(out) as folder:
         _write_campaign_yaml(plan, folder)
-        for run_id in plan.chosen:
-            _copy_metadata(plan, run_id, folder / "runs" / run_id)
-            capture, facts = plan.runs[run_id].capture, plan.facts(run_id)
+        for run_id, run in runs.items():
+            _copy_metadata(plan, run, folder / "runs" / run_id)
+            facts = plan.facts(run_id)
             blocks = _counted(_blocks(plan, run_id), done, told)
-            write_capture(folder / places[run_id], capture.format, facts, blocks)
+            write_capture(folder / places[run_id], run.capture.format, facts, blocks)
             done += facts.n_expected
         made = [mark_of(run_id, folder / place) for run_id, place in places.items()]
         marks += [mark for mark in made if mark not in marks]
@@ -104,13 +106,16 @@ def _write_campaign_yaml(plan: Plan, folder: Path) -> None:
         write_text(folder / "campaign.yaml", dump_yaml(kept.model_dump(mode="json", exclude_none=True)))
 
 
-def _copy_metadata(plan: Plan, run_id: str, here: Path) -> None:
-    """run.yaml and logs, as they stand."""
+def _copy_metadata(plan: Plan, run: Run, here: Path) -> None:
+    """run.yaml and logs, as they stand; run.yaml anew where the capture is simulated in another format."""
     here.mkdir(parents=True)
-    run = plan.runs[run_id]
+    source = plan.folder / "runs" / run.run_id
     for name in ("run.yaml", run.temperature, run.table_log):
         if name is not None:
-            shutil.copyfile(plan.folder / "runs" / run_id / name, here / name)
+            shutil.copyfile(source / name, here / name)
+    if run != plan.runs[run.run_id]:
+        capture = run.capture.model_dump(mode="json", exclude_none=True)
+        write_text(here / "run.yaml", dump_yaml({**load_yaml(source / "run.yaml"), "capture": capture}))
 
 
 def _injected(plan: Plan, captures: Marks) -> str:

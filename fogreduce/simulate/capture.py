@@ -1,48 +1,64 @@
-"""One run's capture, simulated and written, in the format that its run.yaml names."""
+"""One run's capture, simulated and written: in the format that its run.yaml names, or as fogcap-1."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fogreduce.datasets.atomic import whole_file
-from fogreduce.datasets.readers.fogcap import CaptureWriter, Header
-from fogreduce.errors import BadInput
+from fogreduce.datasets.readers import fogcap
+from fogreduce.datasets.readers.csv1 import column_names
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.quantization import raw_from_counts
 from fogreduce.simulate.forward import SimulatedBlock
+
+if TYPE_CHECKING:
+    from fogreduce.metadata.run import Run
 
 Blocks = Iterable[SimulatedBlock]
 
 
 def write_fogcap(path: Path, facts: RunFacts, blocks: Blocks) -> None:
     """Write a ``fogcap-1`` capture; it appears under its name when it is whole."""
-    header = Header(facts.n_gyros, facts.sample_rate_hz, facts.least_count, facts.start_us, facts.unit)
-    with CaptureWriter(path, header) as writer:
+    step = facts.capture_least_count
+    header = fogcap.Header(facts.n_gyros, facts.sample_rate_hz, step, facts.start_us, facts.unit)
+    with fogcap.CaptureWriter(path, header) as writer:
         for block in blocks:
             writer.append(block.time_us, block.pulse, block.counts)
 
 
 def write_csv(path: Path, facts: RunFacts, blocks: Blocks) -> None:
-    """Write a ``csv-1`` capture: whole microseconds, volts with the digits that give the count back."""
+    """Write a ``csv-1`` capture: whole microseconds, readings with the digits that give the count back."""
     with whole_file(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(",".join(["time_s", *(f"gyro{i + 1}_V" for i in range(facts.n_gyros))]) + "\n")
+        file.write(",".join(column_names(facts.n_gyros, facts.captured_in)) + "\n")
         for block in blocks:
-            volts = raw_from_counts(block.counts, facts.least_count)
-            for time_us, row in zip(block.time_us.tolist(), volts.T.tolist(), strict=True):
-                fields = ("" if volt != volt else f"{volt:.15g}" for volt in row)
+            values = raw_from_counts(block.counts, facts.capture_least_count)
+            for time_us, row in zip(block.time_us.tolist(), values.T.tolist(), strict=True):
+                fields = ("" if value != value else f"{value:.15g}" for value in row)
                 file.write(f"{time_us // 1_000_000}.{time_us % 1_000_000:06d}," + ",".join(fields) + "\n")
 
 
 #: Format -> writer. A laboratory that adds a reader and wants to simulate its format adds a writer here.
 WRITERS: dict[str, Callable[[Path, RunFacts, Blocks], None]] = {"fogcap-1": write_fogcap, "csv-1": write_csv}
 
+#: What run.yaml says of a capture, whatever its format.
+_ANY_FORMAT = ("sample_rate_hz", "raw_unit", "volts_per_count", "least_count", "polarity")
+
+
+def simulated(run: Run) -> Run:
+    """A run as it is simulated: with a fogcap-1 capture where no writer is there for its own format.
+
+    What only a reader of the own format needs (columns, times, text) is then left out of run.yaml.
+    """
+    own = run.capture
+    if own.format in WRITERS:
+        return run
+    kept = {key: getattr(own, key) for key in _ANY_FORMAT}
+    capture = type(own)(file="capture.fogcap", format=fogcap.FORMAT, **kept)
+    return run.model_copy(update={"capture": capture})
+
 
 def write_capture(path: Path, format_name: str, facts: RunFacts, blocks: Blocks) -> None:
-    """Write a capture; BadInput for a format that cannot be written."""
-    writer = WRITERS.get(format_name)
-    if writer is None:
-        raise BadInput.at(
-            path.name, "capture.format", found=format_name, expected="one of " + ", ".join(WRITERS)
-        )
-    writer(path, facts, blocks)
+    """Write a capture in a format of `WRITERS`."""
+    WRITERS[format_name](path, facts, blocks)

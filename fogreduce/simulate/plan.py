@@ -208,6 +208,11 @@ def _curves(campaign_dir: Path, name: str, runs: dict[str, Run], options: Option
         for run_id, run in runs.items()
         if len(run.capture.polarity) != curves.n
     ]
+    wrong += [
+        Fault(str(campaign_dir / "runs" / run_id / "run.yaml"), "capture.raw_unit", unit, f"V, as {name}")
+        for run_id, unit in ((run_id, run.capture.raw_unit) for run_id, run in runs.items())
+        if unit != "V"
+    ]
     if wrong:
         raise BadInput(*wrong)
     return curves

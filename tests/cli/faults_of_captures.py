@@ -6,7 +6,7 @@ import os
 from fault_case import Case
 from small_lab import START_US, csv_lines, header, records
 
-A_LINE = "a time and 4 voltages (finite numbers, or empty for no answer)"
+A_LINE = "a time and 4 readings (finite numbers, or empty for no answer)"
 
 
 def _head(**changes):
@@ -203,7 +203,7 @@ CSV = [
         "a header that does not fit its records",
         _csv(1, "time_s,gyro1_V,gyro2_V,gyro3_V"),
         "$run/capture.csv: line 2: found 0.000000,0.0050104,0.0100246,0.0150099,0.0199609; "
-        "expected a time and 3 voltages (finite numbers, or empty for no answer)",
+        "expected a time and 3 readings (finite numbers, or empty for no answer)",
     ),
     Case(
         "a line torn in the middle of the file",

@@ -117,7 +117,7 @@ def test_a_csv_line_that_is_no_record(small_lab, capsys, line):
     lines = csv_lines()
     lines[100] = line
     path = small_lab.write_csv(lines)
-    expected = f"{path}: line 101: found {line}; expected a time and 4 voltages "
+    expected = f"{path}: line 101: found {line}; expected a time and 4 readings "
     expected += "(finite numbers, or empty for no answer)\n"
     assert main(["check", str(small_lab.run), "--calibrations", str(small_lab.calibrations)]) == 2
     assert capsys.readouterr().err == expected

@@ -105,7 +105,7 @@ def test_a_malformed_line_is_named(tmp_path, line: str, size: int) -> None:
         list(CsvReader(path, 2.0).blocks(size))
     (fault,) = error.value.faults
     assert fault.where == "line 3"
-    assert "a time and 2 voltages" in fault.expected
+    assert "a time and 2 readings" in fault.expected
 
 
 @pytest.mark.parametrize(

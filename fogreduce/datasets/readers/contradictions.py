@@ -43,6 +43,8 @@ def contradictions(capture: CaptureFacts, run: RunFacts, path: Path) -> list[Fau
     ):
         same = found is None or math.isclose(found, expected, rel_tol=_SAME)
         compare(what, found, expected, key, same)
+    same = capture.raw_unit == run.captured_in
+    compare("raw unit", capture.raw_unit, run.captured_in, "capture.raw_unit", same)
     compare("unit", capture.unit, run.unit, "unit", capture.unit == run.unit)
     if capture.start_us is not None and capture.start_us != run.start_us:
         faults.append(

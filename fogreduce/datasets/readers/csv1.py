@@ -1,5 +1,6 @@
 """Captures of format `csv-1`: a header line ``time_s,gyro1_V,...,gyroN_V``, then a record a line.
 
+Readings in another unit than volts have its name in place of V: ``gyro1_deg_s``.
 An empty field is "no answer". Records are not numbered: a record's pulse number is its time times the
 sample rate, rounded, so that a lost line leaves a hole as a lost record does; but where a time is far ahead
 of those around it the pulse number goes by these, so that the stamp is found to be wrong.
@@ -20,6 +21,7 @@ from fogreduce.datasets.block import RawBlock
 from fogreduce.datasets.readers.facts import CaptureFacts
 from fogreduce.errors import BadInput
 from fogreduce.estimate.outliers import isolated
+from fogreduce.physics.raw_quantity import RAW_UNITS, RawUnitName, suffix_of
 
 FORMAT = "csv-1"
 _COUNT_BYTES = 1 << 20
@@ -27,8 +29,8 @@ _APART_PULSES, _APART_S = 8, 0.05  # as `fogreduce.estimate.sequence` tells a wr
 _LATEST_S = 1e9  # thirty years; beyond it a time stamp is surely not seconds since the start
 
 
-def read_columns(path: Path) -> int:
-    """Number of gyros from the header line; BadInput where it is not one of `csv-1`."""
+def read_columns(path: Path) -> tuple[int, RawUnitName]:
+    """Number of gyros and unit of readings from the header line; BadInput where it is not one of `csv-1`."""
     try:
         with path.open("rb") as file:
             line = file.readline(1 << 16).decode("utf-8")
@@ -39,10 +41,15 @@ def read_columns(path: Path) -> int:
     if not line:
         raise BadInput.at(path, "", found="an empty file", expected=f"a {FORMAT} capture")
     names = line.rstrip("\r\n").split(",")
-    expected = ["time_s", *(f"gyro{i}_V" for i in range(1, len(names)))]
-    if len(names) < 2 or names != expected:
-        raise BadInput.at(path, "line 1", found=line.strip()[:80], expected="time_s,gyro1_V,...,gyroN_V")
-    return len(names) - 1
+    for unit in RAW_UNITS:
+        if len(names) > 1 and names == column_names(len(names) - 1, unit):
+            return len(names) - 1, unit
+    raise BadInput.at(path, "line 1", found=line.strip()[:80], expected="time_s,gyro1_V,...,gyroN_V")
+
+
+def column_names(n: int, unit: RawUnitName) -> list[str]:
+    """The header line's names, for n gyros read in a unit."""
+    return ["time_s", *(f"gyro{i}_{suffix_of(unit)}" for i in range(1, n + 1))]
 
 
 class CsvReader:
@@ -50,7 +57,8 @@ class CsvReader:
 
     def __init__(self, path: Path, sample_rate_hz: float) -> None:
         self.path = path
-        self.facts = CaptureFacts(read_columns(path))
+        n, raw_unit = read_columns(path)
+        self.facts = CaptureFacts(n, raw_unit=raw_unit)
         self.n_records, self.torn_bytes, commas = self._count_lines()
         self._rate = sample_rate_hz
         if self.n_records == 0:
@@ -136,7 +144,7 @@ class CsvReader:
                         self.path,
                         f"line {number}",
                         found=",".join(fields)[:80] or "an empty line",
-                        expected=f"a time and {n} voltages (finite numbers, or empty for no answer)",
+                        expected=f"a time and {n} readings (finite numbers, or empty for no answer)",
                     )
 
 

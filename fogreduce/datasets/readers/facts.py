@@ -16,6 +16,8 @@ class CaptureFacts:
     start_us : int or None
         Microseconds since 1970-01-01T00:00:00Z.
     unit : str or None
+    raw_unit : str or None
+        Of the readings, as `capture.raw_unit` of run.yaml names it.
     """
 
     n_gyros: int
@@ -23,3 +25,4 @@ class CaptureFacts:
     least_count: float | None = None
     start_us: int | None = None
     unit: str | None = None
+    raw_unit: str | None = None
