@@ -252,7 +252,8 @@ def diagnosed_folder(wildcards):
 
 def summary_tables():
     """The tables over all runs."""
-    return [f"{SUMMARY}/{name}.csv" for name in ("drift_all", "rates_all", "failed")]
+    names = ("drift_all", "rates_all", "commanded_all", "failed")
+    return [f"{SUMMARY}/{name}.csv" for name in names]
 
 
 def summary_command(out):

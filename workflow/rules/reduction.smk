@@ -120,6 +120,7 @@ rule drift:
         fit=rules.fit.output[1],
     output:
         run_file("tables/drift.csv"),
+        run_file("tables/rates.csv"),
     log:
         run_file("logs/drift.log"),
     params:
