@@ -18,6 +18,7 @@ from fogreduce.archive.clock import faults_of_inputs, make_old
 from fogreduce.archive.code import code_digest
 from fogreduce.archive.edited import edited, notes_of
 from fogreduce.datasets.atomic import write_text
+from fogreduce.datasets.readers.installed import installed_readers, software_of
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.folder import find_runs, is_name, list_campaigns, load_campaign
@@ -41,6 +42,12 @@ SUMMARY = f"{RESULTS}/_summary"
 LOCK = hashlib.sha256(
     (Path(workflow.basedir) / "requirements.lock").read_bytes()
 ).hexdigest()
+
+
+# Packages that read a laboratory's own formats are part of what a result comes from.
+READERS = ", ".join(
+    " ".join(software_of(name).values()) for name in checked(installed_readers)
+)
 
 
 wildcard_constraints:

@@ -17,6 +17,7 @@ rule manifest:
         edited=edited_outputs("manifest"),
         code=code_digest(),
         lock=LOCK,
+        readers=READERS,
         run=run_says,
         label=RUN_LABEL,
         folder=RUN_FOLDER,
