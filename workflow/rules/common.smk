@@ -21,6 +21,7 @@ from fogreduce.datasets.atomic import write_text
 from fogreduce.datasets.readers.installed import installed_readers, software_of
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import WorkflowConfig
+from fogreduce.metadata.file_name import problem_of_file_name
 from fogreduce.metadata.folder import find_runs, is_name, list_campaigns, load_campaign
 
 
@@ -102,10 +103,14 @@ SMALL_BYTES = 1 << 16
 
 @lru_cache(maxsize=None)
 def files_in(folder):
-    """The files of a folder, in order; hidden ones are passed over."""
+    """The files of a folder, in order; hidden ones and those that no run.yaml may name are passed over."""
     with os.scandir(folder) as entries:
         return sorted(
-            entry.path for entry in entries if entry.name[0] != "." and entry.is_file()
+            entry.path
+            for entry in entries
+            if entry.name[0] != "."
+            and not problem_of_file_name(entry.name)
+            and entry.is_file()
         )
 
 
@@ -244,10 +249,7 @@ def diagnosed_inputs(wildcards):
             for run in FOUND[wildcards.campaign][0]
         ]
     return sorted(
-        str(path)
-        for run in FOUND[wildcards.campaign][0]
-        for path in run.iterdir()
-        if path.is_file()
+        path for run in FOUND[wildcards.campaign][0] for path in files_in(run)
     )
 
 
