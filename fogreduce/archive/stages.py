@@ -30,7 +30,6 @@ class StageFacts:
 
 #: Whatever unit the record is in.
 _SCALE_FACTORS = tuple(unit.scale_factor_key for unit in UNITS_IN_USE.values())
-_BIASES = tuple(unit.bias_key for unit in UNITS_IN_USE.values())
 
 STAGES = {
     "ingest": StageFacts(
@@ -45,7 +44,7 @@ STAGES = {
         ("datasets/calibrate.nc",),
         ("block_records",),
         ("capture",),
-        (*_SCALE_FACTORS, *_BIASES),
+        (*_SCALE_FACTORS, *(unit.bias_key for unit in UNITS_IN_USE.values())),
     ),
     "project": StageFacts(
         ("datasets/calibrate.nc",), ("datasets/project.nc",), ("block_records",), (), ("H", "axes")
@@ -69,13 +68,7 @@ STAGES = {
         ("table", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg"),
         ("uncertainty",),
     ),
-    "drift": StageFacts(
-        ("reports/fit.json",),
-        ("tables/drift.csv", "tables/rates.csv"),
-        (),
-        ("table", "frame_signs", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg", "capture"),
-        (*_SCALE_FACTORS, *_BIASES, "H", "axes", "uncertainty"),
-    ),
+    "drift": StageFacts(("reports/fit.json",), ("tables/drift.csv",), (), ("table", "frame_signs")),
 }
 
 #: Tables that leave out stages: fits to raw volts do not see the calibration.
@@ -86,7 +79,6 @@ _WITHOUT = {
     "unstable.csv": ("calibrate", "project", "remove_earth", "drift"),
     "rate_fit.csv": ("drift",),
     "drift.csv": (),
-    "rates.csv": (),
 }
 
 

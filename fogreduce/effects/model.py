@@ -83,6 +83,10 @@ class Parameter:
     choices: tuple[str, ...] = ()
     drawn: bool = False
 
+    def unit_in(self, raw_unit: str) -> str:
+        """Its unit for gyros that are read in `raw_unit`, which then stands in place of V."""
+        return raw_unit if self.unit == "V" else self.unit
+
     @property
     def required(self) -> bool:
         """Whether an entry has to give it."""

@@ -39,7 +39,7 @@ def draw(results: Results) -> Figure:
         axes.set_title(name)
         beyond = mark_beyond(axes, columns, gyros.lowest[k], gyros.highest[k], scale, quantity)
         style.note(axes, beyond, style.SPIKE)
-        axes.set_ylabel(f"{raw_unit.quantity} [{unit}]")
+        axes.set_ylabel(unit if unit == raw_unit.quantity else f"{raw_unit.quantity} [{unit}]")
         if not answered[k]:
             style.say_empty(axes, "no usable values")
     last = rows[-1][0]

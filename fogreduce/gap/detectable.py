@@ -38,7 +38,7 @@ class Row:
     effect : str
     channels, runs : tuples of str
         As an effects file has them.
-    parameter, unit : str
+    parameter : str
         What `amplitude` is; empty for an effect that has no size.
     amplitude : float or None
         The smallest that is seen with the probability asked for; None where none is, or where it has no size.
@@ -60,11 +60,6 @@ class Row:
     rivals: tuple[str, ...] = ()
 
     @property
-    def unit(self) -> str:
-        """Of the amplitude, from the table of effects."""
-        return next((p.unit for p in EFFECTS[self.effect].parameters if p.name == self.parameter), "")
-
-    @property
     def label(self) -> str:
         """Effect, channels, other gyro, run."""
         other = self.at.get("source", self.at.get("with", ""))
@@ -72,14 +67,15 @@ class Row:
         runs = "" if self.runs == ("*",) else f" in {', '.join(self.runs)}"
         return f"{self.effect} {', '.join(self.channels)}{pair}{runs}"
 
-    def document(self) -> dict[str, Any]:
-        """As detectable.json has it."""
+    def document(self, raw_unit: str) -> dict[str, Any]:
+        """As detectable.json has it, for gyros that are read in `raw_unit`."""
+        of = [p.unit_in(raw_unit) for p in EFFECTS[self.effect].parameters if p.name == self.parameter]
         return {
             "effect": self.effect,
             "channels": list(self.channels),
             "runs": list(self.runs),
             "parameter": self.parameter,
-            "unit": self.unit,
+            "unit": of[0] if of else "",
             "amplitude": self.amplitude,
             "seen": self.seen,
             "at": dict(self.at),
@@ -154,7 +150,7 @@ def detectable(
         "runs": [one.facts.run_id for one in inputs],
         "probability": probability,
         "snr": snr,
-        "effects": [row.document() for row in rows],
+        "effects": [row.document(inputs[0].facts.raw_unit.name) for row in rows],
         "groups": groups(rows),
         "not_shown": {name: _why(name, inputs) for name in absent},
     }

@@ -107,6 +107,7 @@ def diagnose(
         "schema": SCHEMA,
         "campaign": campaign.resolve().name,
         "runs": data.run_ids,
+        "raw_unit": data.inputs[0].facts.raw_unit.name,
         "catalogue": [name for name in EFFECTS if name in allowed],
         "verdict": verdict.word,
         "gap_probability": round(verdict.gap_probability, 6),

@@ -65,7 +65,7 @@ def _summary(d: Mapping[str, Any]) -> str:
             f"{percent(d['gap_probability'])}."
         )
     for cause in d["causes"]:
-        numbers = _parameters(cause)
+        numbers = _parameters(cause, d["raw_unit"])
         line = f"<strong>{escape(in_words(cause))}</strong>{': ' + numbers if numbers else ''}, "
         if len(cause["group"]) > 1:
             line += (
@@ -133,7 +133,7 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
             escape(in_words(c)),
             escape(EFFECTS[c["effect"]].equation),
             percent(c["probability"]),
-            _parameters(c, "<br>"),
+            _parameters(c, d["raw_unit"], "<br>"),
         ]
         for c in d["causes"]
     ]
@@ -155,15 +155,16 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
     return text
 
 
-def _parameters(cause: Mapping[str, Any], between: str = ", ") -> str:
+def _parameters(cause: Mapping[str, Any], raw_unit: str, between: str = ", ") -> str:
     """Sizes of a cause with units; one that is far beyond what such units show is said to be."""
     known = {p.name: p for p in EFFECTS[cause["effect"]].parameters}
     out = []
     for name, p in cause["parameters"].items():
-        unit = known[name].unit if name in known else ""
+        unit = known[name].unit_in(raw_unit) if name in known else ""
         text = f"{_number(p['value'], p['std'])} {unit}".strip()
         out.append(text if unit and len(cause["parameters"]) == 1 else f"{escape(name)} {text}")
-        usual = known[name].realistic if name in known else None
+        # what is usual in volts says nothing of readings in another unit
+        usual = known[name].realistic if name in known and unit == known[name].unit else None
         if usual is not None and isinstance(p["value"], float) and abs(p["value"]) > _FAR * usual[1]:
             out.append(f"(units of this class show {usual[0]:g} to {usual[1]:g})")
     return between.join(out)

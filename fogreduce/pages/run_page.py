@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -120,10 +121,17 @@ def _facts(manifest: Manifest, seen: dict[str, Any]) -> list[tuple[str, str]]:
         ("Table", f"about {seen['axis']}: " + "; ".join(shown)),
         ("Orientation", ", ".join(f"{axis} {way}" for axis, way in run["orientation"].items())),
         ("Site", place),
-        ("Capture", f"{capture['file']} ({capture['format']}), {capture['sample_rate_hz']:g} Hz"),
+        ("Capture", _capture(capture)),
         ("Calibration", seen["calibration"]),
         ("Version", seen["version_id"]),
     ]
+
+
+def _capture(capture: Mapping[str, Any]) -> str:
+    """File, format and rate; the unit of its readings where these are no volts."""
+    text = f"{capture['file']} ({capture['format']}), {capture['sample_rate_hz']:g} Hz"
+    unit = capture.get("raw_unit", "V")
+    return text if unit == "V" else f"{text}, readings in {unit}"
 
 
 def started(text: str) -> str:

@@ -66,6 +66,8 @@ repeats; spurious counts; missing answers; columns and polarity; stamps. Filters
 t = 0, the reading at t = 0. A parameter that is off (its value in the column "off") leaves every bit of a
 capture as it is.
 
+A parameter in V is in the unit of the raw readings where these are no volts.
+
 Realistic ranges are sizes met in tactical-grade units (absolute values), with where they come from; ranges
 given without a document are engineering estimates and say what they rest on.
 

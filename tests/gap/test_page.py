@@ -30,7 +30,7 @@ def test_numbers_to_what_their_errors_allow(value, std, text) -> None:
 
 def test_units_stand_with_sizes_and_what_is_far_off_is_said() -> None:
     cause = {"effect": "scale_factor_error", "parameters": {"ppm": {"value": -152168.0, "std": 5319.0}}}
-    assert _parameters(cause).startswith("-152200 +- 5300 ppm, (units of this class show ")
+    assert _parameters(cause, "V").startswith("-152200 +- 5300 ppm, (units of this class show ")
 
 
 def test_no_probability_is_said_to_be_certain() -> None:
