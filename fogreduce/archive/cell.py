@@ -19,7 +19,12 @@ _CELL = re.compile(
     r"(?P<row>[^:@#]+)(?:@(?P<segment>[^:@#]+))?(?:#(?P<nth>[1-9][0-9]*))?:(?P<column>[^:]+)"
 )
 #: Columns whose error stands under another name.
-_ERROR_OF = {"accumulated_error_deg": "accumulated_deg", "final_angle_deg": "accumulated_deg"}
+_ERROR_OF = {
+    "accumulated_error_deg": "accumulated_deg",
+    "final_angle_deg": "accumulated_deg",
+    "integral_less_commanded_deg": "integral_deg",
+    "measured_deg_s": "difference_deg_s",
+}
 
 
 @dataclass(frozen=True)

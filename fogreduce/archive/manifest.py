@@ -56,6 +56,7 @@ def manifest(run_dir: Path, calibrations_dir: Path, parameters: Mapping[str, Any
             "code_sha256": code_digest(),
             "python": ".".join(map(str, sys.version_info[:3])),
             **{name: _version(name) for name in _LIBRARIES},
+            **_reader_package(run.capture.format),
         },
         "campaign": campaign_dir.name,
         "run_id": run.run_id,
@@ -76,6 +77,17 @@ def _input(run_dir: Path, name: str) -> dict[str, Any]:
         return {"name": name, "bytes": path.stat().st_size, "sha256": file_digest(path)}
     except OSError as error:
         raise BadInput.at(path, "", found=error.strerror, expected="a readable input file") from None
+
+
+def _reader_package(format_name: str) -> dict[str, str]:
+    """The package that reads the capture, where it is not this one."""
+    from fogreduce.datasets.readers import READERS
+
+    if format_name in READERS:
+        return {}
+    from fogreduce.datasets.readers.installed import software_of
+
+    return software_of(format_name)
 
 
 def _version(name: str) -> str:

@@ -30,6 +30,7 @@ class StageFacts:
 
 #: Whatever unit the record is in.
 _SCALE_FACTORS = tuple(unit.scale_factor_key for unit in UNITS_IN_USE.values())
+_BIASES = tuple(unit.bias_key for unit in UNITS_IN_USE.values())
 
 STAGES = {
     "ingest": StageFacts(
@@ -44,7 +45,7 @@ STAGES = {
         ("datasets/calibrate.nc",),
         ("block_records",),
         ("capture",),
-        (*_SCALE_FACTORS, *(unit.bias_key for unit in UNITS_IN_USE.values())),
+        (*_SCALE_FACTORS, *_BIASES),
     ),
     "project": StageFacts(
         ("datasets/calibrate.nc",), ("datasets/project.nc",), ("block_records",), (), ("H", "axes")
@@ -68,7 +69,13 @@ STAGES = {
         ("table", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg"),
         ("uncertainty",),
     ),
-    "drift": StageFacts(("reports/fit.json",), ("tables/drift.csv",), (), ("table", "frame_signs")),
+    "drift": StageFacts(
+        ("reports/fit.json",),
+        ("tables/drift.csv", "tables/rates.csv"),
+        (),
+        ("table", "frame_signs", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg", "capture"),
+        (*_SCALE_FACTORS, *_BIASES, "H", "axes", "uncertainty"),
+    ),
 }
 
 #: Tables that leave out stages: fits to raw volts do not see the calibration.
@@ -79,6 +86,7 @@ _WITHOUT = {
     "unstable.csv": ("calibrate", "project", "remove_earth", "drift"),
     "rate_fit.csv": ("drift",),
     "drift.csv": (),
+    "rates.csv": (),
 }
 
 

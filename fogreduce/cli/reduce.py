@@ -84,6 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     manifest = beside(lambda: manifest_of(arguments))
     keep_freed_memory()
     from fogreduce.archive.outdated import refuse_another_run, remove_outdated
+    from fogreduce.cli.flags import say_red_flags
     from fogreduce.cli.progress import progress
     from fogreduce.stages.files import write_json
     from fogreduce.stages.run import reduce_run
@@ -95,4 +96,5 @@ def run(arguments: argparse.Namespace) -> int:
         reduce_run(setup, arguments.run, told)
     remove_outdated(arguments.out, setup.version_id)
     write_json(arguments.out / MANIFEST, setup.manifest)
+    say_red_flags(setup)
     return 0

@@ -39,4 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
     given = (arguments.run,) if arguments.stage in _READ_RUN else ()
     with progress(setup.facts.n_expected, "records") as told:
         stages.STAGES[arguments.stage](setup, *given, progress=told)
+    if arguments.stage == "drift":
+        from fogreduce.cli.flags import say_red_flags
+
+        say_red_flags(setup)
     return 0

@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write drift_all.csv, rates_all.csv and failed.csv."""
+    """Write the tables over all runs."""
     from fogreduce.stages.summary import write_summary
 
     runs = list(_runs(arguments))

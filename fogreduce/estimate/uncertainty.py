@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
-from fogreduce.estimate.mean_curve import CurveBasis, integral_terms
+from fogreduce.estimate.curve_projection import CurveProjection
+from fogreduce.estimate.mean_curve import integral_terms
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates, gyro_rates_from_axis_rates
 from fogreduce.physics.earth_rate import add_earth_rate
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
     from fogreduce.metadata.run import Run
 
 Array = NDArray[np.float64]
-
-_GRID = 512  # times a segment at which departures are worked out
-_GOLDEN = (5**0.5 - 1) / 2  # steps of this part of a segment fill it evenly and never beat with its turns
 
 
 @dataclass(frozen=True)
@@ -74,13 +72,12 @@ class StatedErrors:
         )
 
 
-def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
-    """What each source, at one standard deviation, adds to the rates with Earth's part taken away.
+def gyro_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
+    """What each source, at one standard deviation, adds to the rates that the gyros read.
 
     Parameters
     ----------
     facts : RunFacts
-        Of a unit of three gyros or more.
     stated : StatedErrors
         One standard deviation of each source.
     time_s : (N,) array
@@ -88,11 +85,10 @@ def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
 
     Returns
     -------
-    (sources, 3, N) array
+    (sources, n, N) array
         [deg/s]: scale factor, bias, axis (two directions) and turn-on bias of each gyro; then azimuth,
         latitude and table rate.
     """
-    assert facts.projection is not None
     n = facts.n_gyros
     motion = axis_rates(facts, time_s)
     readings = gyro_rates_from_axis_rates(motion, facts.axes)
@@ -109,12 +105,24 @@ def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
         for added in alone:
             departure = np.zeros((n, time_s.size))
             departure[i] = added
-            found.append(axis_rates_from_gyro_rates(departure, facts.projection))
-    # The true motion differs; gyros and reduction are nominal, so H G = 1 passes it on as it is.
-    for change in motion_departures(facts, stated, time_s):
-        through = gyro_rates_from_axis_rates(change, facts.axes)
-        found.append(axis_rates_from_gyro_rates(through, facts.projection))
+            found.append(departure)
+    # The true motion differs; gyros and reduction are nominal.
+    found += [
+        gyro_rates_from_axis_rates(change, facts.axes) for change in motion_departures(facts, stated, time_s)
+    ]
     return np.array(found)
+
+
+def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
+    """What each source of `gyro_departures` adds to x, y, z: (sources, 3, N) [deg/s].
+
+    The unit must have three gyros or more.
+    """
+    projection = facts.projection
+    assert projection is not None
+    return np.array(
+        [axis_rates_from_gyro_rates(added, projection) for added in gyro_departures(facts, stated, time_s)]
+    )
 
 
 def motion_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
@@ -140,7 +148,7 @@ def motion_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> A
 
 
 def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int) -> Array:
-    """Covariance of the mean curve's coefficients that the stated uncertainties allow.
+    """Covariance of the mean curves of x, y, z that the stated uncertainties allow.
 
     Parameters
     ----------
@@ -154,16 +162,18 @@ def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int) -> Ar
     (3, 4, 4) array
         Of theta = (a, p, q, e) of each axis (see `fogreduce.estimate.mean_curve`); add it to that of noise.
     """
-    edges = facts.profile.edges_s
-    start, stop = float(edges[segment - 1]), float(edges[segment])
-    rate = float(facts.profile.rate_deg_s[segment - 1])
-    # A departure is a sum of 1, cos(alpha) and sin(alpha), which the curve holds: any even choice of times
-    # within the segment finds its coefficients.
-    time_s = start + (stop - start) * np.sort((0.5 + _GOLDEN * np.arange(_GRID)) % 1.0)
-    basis = CurveBasis.of(start, stop, rate)
-    columns = basis.columns(time_s)
-    to_theta = basis.to_theta @ np.linalg.inv(columns @ columns.T) @ columns
-    theta = np.einsum("kt,sat->ask", to_theta, departures(facts, stated, time_s))
+    projection = CurveProjection.of(facts.profile, segment)
+    return _covariance(projection, departures(facts, stated, projection.time_s))
+
+
+def stated_gyro_covariance(facts: RunFacts, stated: StatedErrors, projection: CurveProjection) -> Array:
+    """The same of the curves of the rates that the gyros read, over the segment projected on: (n, 4, 4)."""
+    return _covariance(projection, gyro_departures(facts, stated, projection.time_s))
+
+
+def _covariance(projection: CurveProjection, added: Array) -> Array:
+    """Covariance of theta of each channel, from what each source adds to it: (sources, channels, N)."""
+    theta = np.einsum("kt,sat->ask", projection.to_theta, added)
     covariance: Array = np.einsum("asj,ask->ajk", theta, theta)
     return covariance
 

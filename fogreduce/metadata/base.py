@@ -56,7 +56,7 @@ CALIBRATION_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 FileName = Annotated[
-    str, AfterValidator(_plain_file_name), Field(json_schema_extra={"pattern": r"^[^/\\\x00-\x1f%]+$"})
+    str, AfterValidator(_plain_file_name), Field(json_schema_extra={"pattern": r"^[^/\\\x00-\x1f%{}]+$"})
 ]
 Sign = Annotated[int, BeforeValidator(_sign), Field(json_schema_extra={"enum": [1, -1]})]
 #: The bound is there so that squares stay finite; no quantity of ours comes near it.

@@ -17,6 +17,8 @@ def problem_of_file_name(name: str) -> str:
         return "a plain file name in the same folder (no path)"
     if not name.isprintable():
         return "a plain file name without control characters, no-break spaces or bytes that are not UTF-8"
+    if "{" in name or "}" in name:
+        return "a plain file name without { and }, which the workflow takes for wildcards"
     if "%" in name:
         return "a plain file name without %, which BagIt tools read in different ways"
     if name != name.rstrip():

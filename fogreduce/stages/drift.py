@@ -1,15 +1,16 @@
-"""Stage 6, drift: the paper's offset rule, and the integration of what is left.
+"""Stage 6, drift: the paper's offset rule, and the integration of what is left; the plain integral beside it.
 
 The rate curve's offset is moved so that the curve starts at the commanded rate (0 on the other axes); it
 is then integrated over the segment. Accumulated error = integral of the curve - commanded angle;
-drift = accumulated error / duration. The integral is linear in the curve's coefficients, so its error
-follows from their covariance exactly. The offset itself, a bias, does not count.
+drift = accumulated error / duration. The offset itself, a bias, does not count: the rule is for turns at a
+constant rate. The plain integral is that of the curve as it was measured, its offset in it. Both are linear
+in the curve's coefficients, so their errors follow from the covariance exactly.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +29,8 @@ Array = NDArray[np.float64]
 DRIFT = "axis,duration_s,nominal_deg,final_angle_deg,accumulated_error_deg,drift_deg_h"
 DRIFT_COLUMNS = (
     f"{DRIFT},drift_err_deg_h,drift_err_coloured_deg_h,accumulated_err_deg,accumulated_err_coloured_deg,"
-    "drift_err_stated_deg_h,accumulated_err_stated_deg,segment,version_id"
+    "drift_err_stated_deg_h,accumulated_err_stated_deg,segment,version_id,"
+    "integral_deg,integral_err_deg,integral_err_coloured_deg,integral_err_stated_deg,integral_less_commanded_deg"
 ).split(",")
 
 
@@ -39,7 +41,7 @@ def drift_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
     duration; a, the offset, does not count.
     """
     duration = stop_s - start_s
-    whole = integral_terms(np.array([start_s, stop_s]), rate_rad_s) @ np.array([-1.0, 1.0])
+    whole = plain_terms(start_s, stop_s, rate_rad_s)
     phase = rate_rad_s * start_s
     at_start = np.array([1.0, math.cos(phase), math.sin(phase), start_s])
     terms: Array = whole - duration * at_start
@@ -47,9 +49,15 @@ def drift_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
     return terms
 
 
+def plain_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
+    """(4,): the plain integral of the curve over the segment is these times theta = (a, p, q, e)."""
+    terms: Array = integral_terms(np.array([start_s, stop_s]), rate_rad_s) @ np.array([-1.0, 1.0])
+    return terms
+
+
 @dataclass(frozen=True)
-class AccumulatedError:
-    """Accumulated error over a segment [deg] and its standard errors [deg].
+class Angle:
+    """An angle [deg] over a segment and its standard errors [deg].
 
     `white` is that of white noise, `coloured` that of the noise which the residuals show, `stated` what
     calibration record and run.yaml state as uncertain, noise not in it. NaN: not known.
@@ -61,19 +69,38 @@ class AccumulatedError:
     stated: float = math.nan
 
 
-def accumulated_error(segment: Mapping[str, Any], item: Mapping[str, Any]) -> AccumulatedError:
-    """Accumulated error of an axis over a segment."""
-    terms = drift_terms(segment["start_s"], segment["stop_s"], item["rate_rad_s"])
+def angle_of(terms: Array, item: Mapping[str, Any]) -> Angle:
+    """What `terms` times the coefficients of a fitted curve are."""
 
     def error(key: str) -> float:
         covariance = item[key]
         return math.nan if covariance is None else math.sqrt(max(0.0, terms @ np.array(covariance) @ terms))
 
-    return AccumulatedError(
+    return Angle(
         float(terms @ np.array(item["theta"])),
         error("covariance"),
         error("coloured_covariance"),
         error("stated_covariance"),
+    )
+
+
+def accumulated_error(segment: Mapping[str, Any], item: Mapping[str, Any]) -> Angle:
+    """Accumulated error of an axis over a segment, by the offset rule."""
+    return angle_of(drift_terms(segment["start_s"], segment["stop_s"], item["rate_rad_s"]), item)
+
+
+def plain_integral(segment: Mapping[str, Any], item: Mapping[str, Any]) -> Angle:
+    """Plain integral of an axis over a segment, Earth's part taken away."""
+    return angle_of(plain_terms(segment["start_s"], segment["stop_s"], item["rate_rad_s"]), item)
+
+
+def over_segments(parts: Sequence[Angle]) -> Angle:
+    """The sum over segments: their noise independent, and what is stated common to all."""
+    return Angle(
+        math.fsum(part.value for part in parts),
+        math.hypot(*(part.white for part in parts)),
+        math.hypot(*(part.coloured for part in parts)),
+        math.fsum(part.stated for part in parts),
     )
 
 
@@ -94,32 +121,38 @@ def drift_rows(
     The whole run's errors take the noise of the segments as independent, and what is stated as common to all.
     """
     rows: list[list[Cell]] = []
-    whole: dict[str, list[AccumulatedError]] = {axis: [] for axis in axes}
+    errors: dict[str, list[Angle]] = {axis: [] for axis in axes}
+    integrals: dict[str, list[Angle]] = {axis: [] for axis in axes}
     signs = dict(zip(axes, facts.commanded_signs.tolist(), strict=False))
     for segment in fits["segments"]:
         found = {item["channel"]: item for item in segment["channels"] if item is not None}
         duration = segment["stop_s"] - segment["start_s"]
         for axis in axes:
             nominal = signs[axis] * segment["rate_deg_s"] * duration
-            error = accumulated_error(segment, found[axis]) if axis in found else AccumulatedError()
-            whole[axis].append(error)
-            rows.append(_row(axis, duration, nominal, error, segment["segment"], version_id))
+            item = found.get(axis)
+            error, integral = (
+                Angle() if item is None else of(segment, item) for of in (accumulated_error, plain_integral)
+            )
+            errors[axis].append(error)
+            integrals[axis].append(integral)
+            rows.append(_row(axis, duration, nominal, error, integral, segment["segment"], version_id))
     if len(fits["segments"]) > 1:
         turned = float(facts.profile.edge_angles_deg[-1])
         for axis in axes:
-            parts = whole[axis]
-            error = AccumulatedError(
-                math.fsum(part.value for part in parts),
-                math.hypot(*(part.white for part in parts)),
-                math.hypot(*(part.coloured for part in parts)),
-                math.fsum(part.stated for part in parts),
-            )
-            rows.append(_row(axis, facts.profile.end_s, signs[axis] * turned, error, "all", version_id))
+            error, integral = over_segments(errors[axis]), over_segments(integrals[axis])
+            nominal = signs[axis] * turned
+            rows.append(_row(axis, facts.profile.end_s, nominal, error, integral, "all", version_id))
     return rows
 
 
 def _row(
-    axis: str, duration: float, nominal: float, error: AccumulatedError, segment: int | str, version_id: str
+    axis: str,
+    duration: float,
+    nominal: float,
+    error: Angle,
+    integral: Angle,
+    segment: int | str,
+    version_id: str,
 ) -> list[Cell]:
     per_hour = SECONDS_PER_HOUR / duration
     return [
@@ -137,4 +170,9 @@ def _row(
         error.stated,
         segment,
         version_id,
+        integral.value,
+        integral.white,
+        integral.coloured,
+        integral.stated,
+        integral.value - nominal,
     ]

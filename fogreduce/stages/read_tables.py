@@ -10,6 +10,7 @@ from fogreduce.errors import BadInput
 from fogreduce.physics.raw_quantity import RawUnit
 from fogreduce.stages import encoder
 from fogreduce.stages.drift import DRIFT_COLUMNS
+from fogreduce.stages.rates import RATES_COLUMNS
 from fogreduce.stages.tables import RATE_FIT_COLUMNS, gyro_fit_columns
 
 #: Table -> its columns, which may depend on the unit of raw readings; a later version may have more.
@@ -20,9 +21,12 @@ COLUMNS: Mapping[str, Callable[[RawUnit], Sequence[str]]] = {
     "rate_fit": lambda _: RATE_FIT_COLUMNS,
     "unstable": lambda _: ("gyro", "start_s", "stop_s", "noise_ratio", "version_id"),
     "drift": lambda _: DRIFT_COLUMNS,
+    "rates": lambda _: RATES_COLUMNS,
 }
 #: Tables that have a row of every run.
 _NEVER_EMPTY = ("quality", "gyro_fit")
+#: Tables that results of earlier versions do not have.
+_MAY_BE_ABSENT = ("rates",)
 #: Columns that hold a number in every row.
 _NUMBERS = ("duration_s", "nominal_deg")
 
@@ -53,6 +57,8 @@ def read_rows(results: Path, name: str, version_id: str, raw_unit: RawUnit) -> l
         with path.open(encoding="utf-8", newline="") as file:
             lines = list(csv.reader(file))
     except FileNotFoundError:
+        if name in _MAY_BE_ABSENT:
+            return []
         raise BadInput.at(path, "", found="no such file", expected="a table of the reduction") from None
     except (OSError, ValueError, csv.Error) as error:
         raise BadInput.at(path, "", found=error, expected="a table of the reduction") from None

@@ -41,6 +41,7 @@ from fogreduce.stages.files import (
 from fogreduce.stages.fit import Fit, as_plain
 from fogreduce.stages.ingest import Ingest
 from fogreduce.stages.project import project
+from fogreduce.stages.rates import RATES_COLUMNS, rate_rows
 from fogreduce.stages.remove_earth import remove_earth
 from fogreduce.stages.setup import Setup, TableAngle, microseconds, seconds
 
@@ -156,11 +157,13 @@ def run_drift(setup: Setup, progress: Progress = _silent) -> None:
     fits = read_report(setup, "fit")
     try:
         rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
+        rates = rate_rows(setup.facts, setup.stated_errors, fits, setup.axes, setup.version_id)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         path = setup.out / "reports" / "fit.json"
         found = f"damage ({type(error).__name__}: {error})"
         raise BadInput.at(path, "", found=found, expected="the report as stage fit writes it") from None
     tables.write_table(setup.table("drift"), drift_stage.DRIFT_COLUMNS, rows)
+    tables.write_table(setup.table("rates"), RATES_COLUMNS, rates)
 
 
 def _open_capture(setup: Setup, run_dir: Path) -> Reader:

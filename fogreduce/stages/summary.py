@@ -18,7 +18,10 @@ from fogreduce.datasets.atomic import whole_file
 from fogreduce.errors import BadInput
 
 #: Table of a run -> table of all runs.
-GATHERED = {"drift": "drift_all", "rate_fit": "rates_all"}
+GATHERED = {"drift": "drift_all", "rate_fit": "rates_all", "rates": "commanded_all"}
+
+#: Results of earlier versions are without these.
+_MAY_BE_ABSENT = ("rates",)
 
 #: In front of the columns of a gathered table.
 RUN_COLUMNS = ("campaign", "run_id", "label")
@@ -27,6 +30,8 @@ FAILED_COLUMNS = ("campaign", "run_id", "stage", "reason")
 #: Logs of a run, in the order in which the stages write them.
 _LOGS = ("manifest", "ingest", "calibrate", "project", "remove_earth", "fit", "drift")
 _LONGEST_REASON = 500
+#: Lines of a log that begin so are said beside results, and are no reason why there are none.
+SAID_BESIDE = ("red flag: ", "warning: ")
 
 
 @dataclass(frozen=True)
@@ -39,14 +44,14 @@ class RunResults:
 
 
 def write_summary(runs: Iterable[RunResults], out: Path) -> tuple[int, int]:
-    """Write ``drift_all.csv``, ``rates_all.csv`` and ``failed.csv`` into `out`.
+    """Write ``drift_all.csv``, ``rates_all.csv``, ``commanded_all.csv`` and ``failed.csv`` into `out`.
 
     Parameters
     ----------
     runs : iterable of RunResults
         In the order in which their rows shall stand.
     out : Path
-        Folder for the three tables; each appears whole or not at all.
+        Folder for the tables; each appears whole or not at all.
 
     Returns
     -------
@@ -129,16 +134,25 @@ def _tables_of(run: RunResults) -> tuple[dict[str, list[str]], tuple[str, str] |
         version = str(_manifest(run.folder).get("version_id"))
         for name in GATHERED:
             path = _table(run.folder, name)
+            if name in _MAY_BE_ABSENT and not path.exists():
+                continue
             lines[name] = path.read_text(encoding="utf-8").splitlines()
             if not lines[name]:
                 return {}, (name, f"{path}: found an empty file; expected a table")
-            if not all(line.endswith(f",{version}") for line in lines[name][1:]):
+            if any(found != version for found in _versions(lines[name])):
                 return {}, (name, f"{path}: found rows of another version; expected {version}")
     except FileNotFoundError as error:
         return {}, why_none(run.folder, f"{error.filename}: found no such file; expected a table")
     except BadInput as error:
         return {}, why_none(run.folder, str(error))
     return lines, None
+
+
+def _versions(lines: list[str]) -> Iterator[str]:
+    """The version id of each row."""
+    header, *rows = csv.reader(lines)
+    place = header.index("version_id") if "version_id" in header else -1
+    return (row[place] if place < len(row) else "" for row in rows)
 
 
 def why_none(folder: Path, otherwise: str) -> tuple[str, str]:
@@ -152,7 +166,7 @@ def why_none(folder: Path, otherwise: str) -> tuple[str, str]:
             said = path.read_text(encoding="utf-8", errors="replace").split("\n")
         except FileNotFoundError:
             continue
-        said = [" ".join(line.split()) for line in said if line.strip()]
+        said = [" ".join(line.split()) for line in said if line.strip() and not line.startswith(SAID_BESIDE)]
         if any(line.startswith("Traceback") for line in said):
             said = said[-1:]
         if said:

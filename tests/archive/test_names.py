@@ -18,14 +18,25 @@ TAKEN = [
     unicodedata.normalize("NFD", "Messung ö"),
     "測定 1.txt",
     "Ωμέγα🛰.txt",
-    "#1; it's \"a\" [b] {c} & 'd' + e, f = g ~ * ? ! $HOME `x`.txt",
+    "#1; it's \"a\" [b] (c) & 'd' + e, f = g ~ * ? ! $HOME `x`.txt",
     "-rf",
     "~notes",
     "a..b",
     "ﬁ.txt",  # a ligature, which normal form KC takes apart
     "x" * 255,
 ]
-REFUSED = ["50%.txt", "a%25b", "%0A", "end ", "a\u00a0b", "a\u200bb", "bell\x07", "line\nline", "back\\slash"]
+REFUSED = [
+    "50%.txt",
+    "a%25b",
+    "%0A",
+    "end ",
+    "a\u00a0b",
+    "a\u200bb",
+    "bell\x07",
+    "line\nline",
+    "back\\slash",
+    "{run}",
+]
 
 
 def validate(bag):

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from fogreduce.estimate.mean_curve import curve
-from fogreduce.stages.drift import accumulated_error, adjusted_curve, drift_terms
+from fogreduce.stages.drift import accumulated_error, adjusted_curve, drift_terms, plain_integral
 
 # Table 5 of the paper.
 TABLE_5 = {
@@ -41,6 +41,32 @@ def test_table_5_leads_to_the_printed_drifts(axis: str, degrees: float, drift: f
     error = accumulated_error({"start_s": 0.0, "stop_s": 6000.0}, item).value
     assert error == pytest.approx(degrees, abs=5e-5)
     assert error * 3600 / 6000 == pytest.approx(drift, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("axis", "commanded", "rate_deg_h"), [("x", 0.06, 9.53), ("y", 0.0, -11.00), ("z", 0.0, 14.00)]
+)
+def test_table_5_integrated_as_it_stands(axis: str, commanded: float, rate_deg_h: float) -> None:
+    """The plain integral less the commanded angle, an hour: a - commanded + e T / 2, the sine gone in a whole
+    turn. By hand from Table 5: x 7.580 + 1.947, y -12.101 + 1.102, z 15.007 - 1.010 deg/h."""
+    a, b, d, e = TABLE_5[axis]
+    item = plain([a, b * math.sin(d), b * math.cos(d), e], C_RAD_S)
+    angle = plain_integral({"start_s": 0.0, "stop_s": 6000.0}, item).value
+    assert (angle - 6000.0 * commanded) * 3600 / 6000 == pytest.approx(rate_deg_h, abs=0.005)
+    assert rate_deg_h == pytest.approx(3600 * (a - commanded + 3000.0 * e), abs=0.005)
+
+
+def test_a_turn_by_hand_has_its_angle_in_the_plain_integral() -> None:
+    """A half turn that starts and ends at rest: rate (1 - cos(2 pi t / T)) 180 deg / T.
+
+    It turned 180 deg. The offset rule, made for turns at a constant rate, moves the start up to the commanded
+    180 deg / T and finds 360."""
+    duration = 60.0
+    mean = 180.0 / duration
+    item = plain([mean, -mean, 0.0, 0.0], 2 * math.pi / duration)
+    segment = {"start_s": 0.0, "stop_s": duration}
+    assert plain_integral(segment, item).value == pytest.approx(180.0, rel=1e-12)
+    assert 180.0 + accumulated_error(segment, item).value == pytest.approx(360.0, rel=1e-12)
 
 
 def test_a_straight_drift_by_hand() -> None:

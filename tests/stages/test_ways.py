@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-TABLES = ("gyro_fit", "rate_fit", "drift", "quality", "unstable", "encoder")
+TABLES = ("gyro_fit", "rate_fit", "drift", "rates", "quality", "unstable", "encoder")
 SEGMENTS = ((3.0, 40.0), (-6.0, 30.0), (0.0, 30.0))
 
 

@@ -67,15 +67,77 @@ def test_strong_effects_meet_their_target_and_half_keep_the_catalogue_s_shape():
     from withheld.study.cases import label
 
     protocol = only("strong", 5, 120)
-    chosen = [p for p in plans(protocol) if p.effects[0] in ("bias_ramp", "warm_up") and p.snr == 200.0]
+    chosen = [p for p in plans(protocol) if p.effects[0] == "bias_ramp" and p.snr == 200.0]
     for plan in chosen:
         drawn = draw_case(protocol, plan)
         assert label(protocol, plan, drawn)["effects"][0]["snr"] == pytest.approx(200.0, rel=0.03)
     shapes = Counter(
-        bool(draw_case(only("strong", seed, 120), chosen[0]).world.entries[0].departure) for seed in range(8)
+        bool(draw_case(only("strong", seed, 120), chosen[0]).world.entries[0].departure) for seed in range(5)
     )
     assert shapes[True] > 0
     assert shapes[False] > 0
+
+
+def first(kind, seed=3, campaigns=1, **has):
+    protocol = only(kind, seed, campaigns)
+    plan = next(p for p in plans(protocol) if set(has.get("effects", ())) <= set(p.effects))
+    return protocol, plan, draw_case(protocol, plan)
+
+
+def test_a_poor_link_and_a_slow_fault():
+    _, plan, drawn = first("link_slow", campaigns=55, effects=("spikes", "bias_ramp"))
+    assert plan.effects == ("dropouts", "spikes", "bias_ramp") or plan.effects == ("spikes", "bias_ramp")
+    assert drawn.roles[-1] == "slow"
+    assert all(1e-5 <= e.number("fraction") <= 2e-2 for e in drawn.world.entries[:-1])
+
+
+def test_mixed_runs_have_rates_and_lengths_of_their_own():
+    seen = [first("mixed_quiet", seed)[2].world for seed in range(6)]
+    assert all(world.entries == () for world in seen)
+    rates = [len({run.sample_rate_hz for run in world.campaign.runs}) for world in seen]
+    lengths = [len({run.duration_s for run in world.campaign.runs}) for world in seen]
+    assert max(rates) >= 3
+    assert min(lengths) >= 2
+    noise = np.concatenate([world.campaign.unit.arw_deg_sqrt_h for world in seen])
+    assert noise.max() / noise.min() > 5.0
+
+
+def test_a_step_in_one_of_several_lengths_falls_into_its_run():
+    from withheld.study.classes.mixed import mixed
+    from withheld.study.draws import draw_entry
+
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        campaign = mixed(any_campaign("c", rng, 1.0)[1], rng)
+        step = draw_entry("bias_step", campaign, rng, 0.0)
+        length = next(run.duration_s for run in campaign.runs if run.run_id in step.runs)
+        assert 0.1 * length < step.number("time_s") < 0.9 * length
+
+
+def test_slow_logs_are_slow_coarse_and_creep():
+    from withheld.study.cases import label
+
+    protocol, plan, drawn = first("slow_log", campaigns=9, effects=("bias_ramp",))
+    for run in drawn.world.campaign.runs:
+        assert run.sample_rate_hz < 2.0
+        assert 450 <= run.samples <= 2600
+        assert max(abs(rate) for rate, _ in run.profile) <= 0.02
+    spread = [np.ptp(heat.sensor_degC) for heat in drawn.world.heat.values()]
+    assert max(spread) < 8.0  # a room, however long the log
+    known = label(protocol, plan, drawn)["effects"]
+    assert [e["role"] for e in known] == ["link", "link", "slow"]
+    assert 9.0 < known[-1]["snr"] < 42.0
+
+
+@pytest.mark.slow
+def test_a_shape_near_the_catalogue_keeps_its_distance_from_it():
+    from withheld.study.cases import label
+
+    protocol, plan, drawn = first("near", campaigns=6, effects=("fifth_power",))
+    known = label(protocol, plan, drawn)["effects"][0]
+    # 15 where the law's bounds allow it, and never less than half of that
+    assert 7.5 < known["best_rival"] < 15.5
+    assert known["nearest"]["effect"] in NAMES
 
 
 def test_no_class_has_an_effect_taken_out():

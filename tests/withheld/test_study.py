@@ -7,12 +7,14 @@ import pytest
 
 from withheld.atomic import read_json, sha256, write_json
 from withheld.effects.catalogue import NAMES
+from withheld.effects.near import NEAR
 from withheld.effects.strangers import NAMES as STRANGERS
 from withheld.errors import BadInput
 from withheld.score.scoring import score
 from withheld.streams import stream
 from withheld.study.batch import check_study, check_training, make_batch
 from withheld.study.cases import draw_case, plans
+from withheld.study.classes import CLASSES
 from withheld.study.laws import LAWS
 from withheld.study.ledger import enter
 from withheld.study.protocol import code_hash, protocol_document, protocol_from, study
@@ -55,12 +57,22 @@ def test_the_small_study_has_some_twenty_cases_a_quarter_of_them_quiet():
     small = study("small", 1_000_001)
     assert small.cases == len(plans(small)) == 20
     assert sum(plan.kind == "nothing" for plan in plans(small)) >= 5
-    with pytest.raises(BadInput, match="expected small or full"):
+    with pytest.raises(BadInput, match="expected small, full or whole"):
         study("medium", 1)
 
 
+def test_the_whole_study_holds_every_kind_and_class():
+    whole = study("whole", 1_000_001)
+    kinds = Counter(plan.kind for plan in plans(whole))
+    assert whole.cases == sum(kinds.values()) == 1500
+    assert set(CLASSES) < set(kinds)
+    assert {(p.effects, p.snr) for p in plans(whole) if p.kind == "strong"} == {
+        ((name,), snr) for name in NAMES for snr in (50.0, 200.0, 1000.0)
+    }
+
+
 def test_every_effect_has_a_law():
-    assert set(LAWS) == set(NAMES) | set(STRANGERS)
+    assert set(LAWS) == set(NAMES) | set(STRANGERS) | set(NEAR)
 
 
 def test_training_and_study_seeds_lie_apart_and_so_do_their_streams():

@@ -9,7 +9,11 @@ from withheld.chain.temperature import Temperature
 from withheld.chain.truth import Truth, across
 from withheld.effects.entry import Entry, select
 from withheld.effects.gyro import BIASES, SCALES, Scene, Shape, dead_zone
+from withheld.effects.near import NEAR
 from withheld.effects.strangers import STRANGERS, in_run
+
+# What the catalogue has not, by name.
+UNCATALOGUED: dict[str, Shape] = {**STRANGERS, **NEAR}
 
 
 def true_axes(unit: Unit, truth: Truth, entries: list[Entry]) -> Array:
@@ -44,8 +48,8 @@ def sense(
     m = (moving.w * np.array(run.frame_signs)) @ axes.T
     m += truth.turn_on_deg_h[run.run_id] / 3600.0
     _add(m, scene, select(entries, run.run_id, *BIASES), BIASES)
-    strangers = [in_run(entry, run.run_id) for entry in select(entries, run.run_id, *STRANGERS)]
-    _add(m, scene, strangers, STRANGERS)
+    strangers = [in_run(entry, run.run_id) for entry in select(entries, run.run_id, *UNCATALOGUED)]
+    _add(m, scene, strangers, UNCATALOGUED)
     for effect in SCALES:
         _add(m, scene, select(entries, run.run_id, effect), SCALES)
     before = m.copy()

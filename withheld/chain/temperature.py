@@ -71,10 +71,12 @@ def realistic(duration_s: float, rng: np.random.Generator, start_degC: float) ->
     gain of a few per cent off one; the sensors add noise and are written with three and four decimals.
     """
     time = np.arange(0.0, np.floor(duration_s) + 1.0)
-    drift = rng.uniform(-1.2, 1.2) * time / 300.0
+    # of a long run no more than four times that of a run of five minutes, and its swings are as much slower
+    drift = rng.uniform(-1.2, 1.2) * time / max(300.0, duration_s / 4.0)
+    stretch = max(1.0, duration_s / 1200.0)
     swing = np.zeros_like(time)
     for _ in range(2):
-        period = rng.uniform(250.0, 900.0)
+        period = stretch * rng.uniform(250.0, 900.0)
         swing += rng.uniform(0.1, 0.5) * np.sin(2 * np.pi * (time / period + rng.random()))
     true = start_degC + drift + swing - swing[0]
     lag, gain = rng.uniform(3.0, 15.0), 1.0 + 0.02 * rng.standard_normal()

@@ -134,11 +134,8 @@ def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[
             {
                 "snr": total,
                 "best_rival": min([float(np.hypot(alone, fast)), *(d for _, d in listed[:1])]),
-                "rivals": [
-                    {"effect": key[0], "channels": list(key[1]), "runs": list(key[2]), "separation": d}
-                    for key, d in listed
-                    if d < KEPT_BELOW
-                ],
+                "nearest": _named(listed[0][0]) if listed else None,
+                "rivals": [{**_named(key), "separation": d} for key, d in listed if d < KEPT_BELOW],
                 "attainable_std": _attainable(world, entry, alone),
             }
         )
@@ -147,6 +144,10 @@ def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[
         "effects": effects, "slow_snr": snr(inner, whole), "oracle_closure": oracle_closure(world, inner),
         "closure_gram": closure_gram(world, inner),
     }  # fmt: skip
+
+
+def _named(key: Key) -> dict[str, Any]:
+    return {"effect": key[0], "channels": list(key[1]), "runs": list(key[2])}
 
 
 def _attainable(world: World, entry: Entry, alone: float) -> float | None:

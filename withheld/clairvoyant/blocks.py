@@ -18,8 +18,10 @@ MOST_BLOCKS = 400
 
 
 def block_count(run: Run) -> tuple[int, float]:
-    """Blocks of a run and their length [s]: one second, longer where a run would have more than 400."""
-    length = max(1.0, run.duration_s / MOST_BLOCKS)
+    """Blocks of a run and their length [s]: one second, longer where a run would have more than 400, or where
+    a second holds no sample.
+    """
+    length = max(1.0, run.duration_s / MOST_BLOCKS, 1.0 / run.sample_rate_hz)
     return max(int(run.duration_s // length), 1), length
 
 

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from withheld.arrays import Array
 from withheld.effects.catalogue import NAMES as CATALOGUE
 from withheld.effects.strangers import NAMES as STRANGERS
-from withheld.score.judge import OUTSIDE
 from withheld.score.summary import BANDS, FATES, band_name
 from withheld.score.wilson import Share
 
@@ -93,7 +92,7 @@ def outside_the_catalogue(scores: dict[str, Any]) -> Figure:
     """What became of effects that the diagnoser could not name, in each band of SNR."""
     figure, axes = _figure(9.5, 4.2, 2)
     for ax, kind, title in zip(
-        axes, OUTSIDE, ("Taken out of the catalogue", "Never in the catalogue"), strict=True
+        axes, ("without", "stranger"), ("Taken out of the catalogue", "Never in the catalogue"), strict=True
     ):
         parts = _in_bands([o for o in scores["outcomes"] if o["kind"] == kind])
         base = np.zeros(len(parts))

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from withheld.effects.near import KIN
 from withheld.score.judge import Outcome
 from withheld.score.rows import row, table
 from withheld.score.wilson import share
@@ -68,10 +69,42 @@ def _strong(outcomes: list[Outcome], thresholds: Thresholds) -> list[Row]:
     ]  # fmt: skip
 
 
+def _together(outcomes: list[Outcome], thresholds: Thresholds) -> list[Row]:
+    entries = _all(outcomes, "must") + _all(outcomes, "exchangeable")
+    return [
+        row("all entries of SNR 8 named, or one of their true group",
+            share([bool(o.entries and o.entries.all_found) for o in outcomes]), "95 %"),
+        row("the same, entry by entry", share(entries)),
+        row("causes named that are in no true group", share(_all(outcomes, "strays"))),
+        _explained(outcomes, ""),
+    ]  # fmt: skip
+
+
+def _quiet(outcomes: list[Outcome], thresholds: Thresholds) -> list[Row]:
+    return [row("called a gap", share([o.flagged for o in outcomes]), "at most 1 %")]
+
+
+def _near(outcomes: list[Outcome], thresholds: Thresholds) -> list[Row]:
+    return [
+        row("unknown in its place with its kin, or its kin named and the departure shown",
+            share([bool(o.kin) for o in outcomes]), "90 %"),
+        row("flagged in its place", share([o.fate == "flagged_in_place" for o in outcomes])),
+        row("explained", share([o.fate in ("misattributed", "indistinguishable") for o in outcomes])),
+        row("missed", share([o.fate == "missed" for o in outcomes])),
+        *(row(f"kin found: {effect.replace('_', ' ')}",
+              share([bool(o.kin) for o in outcomes if o.effects[0] == effect])) for effect in KIN),
+    ]  # fmt: skip
+
+
 _ROWS: dict[str, Callable[[list[Outcome], Thresholds], list[Row]]] = {
     "stale": _stale,
     "stale_culprit": _stale_culprit,
     "strong": _strong,
+    "link_slow": _together,
+    "mixed_quiet": _quiet,
+    "mixed": _together,
+    "slow_log": _together,
+    "near": _near,
 }
 
 

@@ -43,6 +43,11 @@ class EntryScores:
     within_or_near: tuple[bool, ...] = ()
     closures: tuple[bool, ...] = ()
 
+    @property
+    def all_found(self) -> bool:
+        """Every entry of SNR 8 is named, or accounted for where another could replace it."""
+        return all(self.must) and all(self.exchangeable)
+
 
 def _accounted(diagnosis: Diagnosis, effect: Mapping[str, Any], below: float) -> bool:
     """The effect is a cause or stands in a group, or a cause is of its true group."""

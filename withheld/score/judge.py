@@ -6,10 +6,11 @@ from typing import Any
 
 from withheld.score.diagnosis_file import Cause, Diagnosis
 from withheld.score.entries import EntryScores, score_entries
+from withheld.score.kin import kin_named
 from withheld.score.matching import matches, parameter_errors, separation_of
 from withheld.study.protocol import Thresholds
 
-OUTSIDE = ("without", "stranger")
+OUTSIDE = ("without", "stranger", "near")
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Outcome:
     pulls : (value - truth) / std, and attainable : std / attainable std
     closure : (fraction, std, oracle)
     entries : scores of all entries together, of cases with catalogued effects
+    kin : of a shape near the catalogue, whether its kin is named, with what it departs by
     target : SNR that the plan asked for; 0 where it was drawn
     oracle : the oracle's closure, of cases with catalogued effects
     overstated : of `explained`, whether the closure's interval ends below what that needs; else None
@@ -73,6 +75,7 @@ class Outcome:
     target: float = 0.0
     oracle: float | None = None
     overstated: bool | None = None
+    kin: bool | None = None
 
 
 def _group_right(cause: Cause, effect: Mapping[str, Any], never: float) -> bool:
@@ -165,7 +168,8 @@ def judge(
         return Outcome(
             **base, valid=False, flagged=not wrong, exact=False if catalogued else None,
             by_group=False if catalogued else None, named=0 if catalogued else None,
-            verdict_right=False, fate="missed" if outside else None, place_right=False if wrong else None,
+            verdict_right=False, kin=False if kind == "near" else None,
+            fate="missed" if outside else None, place_right=False if wrong else None,
             answer="invalid",
         )  # fmt: skip
 
@@ -200,6 +204,7 @@ def judge(
         place_right=place_right(diagnosis, effects) if wrong else None,
         answer=first.key[0] if first else diagnosis.verdict, stated=stated, stated_group=stated_group,
         gap=(diagnosis.gap_probability, wrong), unknown=(diagnosis.unknown_probability, outside),
+        kin=kin_named(effects[0], diagnosis, place_right(diagnosis, effects)) if kind == "near" else None,
         overstated=_overstated(diagnosis, thresholds), pulls=pulls, attainable=ratios, closure=closure,
         group_size=size, group_pure=pure, impure_far=far,
     )  # fmt: skip

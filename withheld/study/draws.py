@@ -32,7 +32,12 @@ def draw_entry(
     gyro = int(rng.integers(campaign.unit.n)) if gyro is None else gyro
     seats = {"gyro": (f"gyro{gyro + 1}",), "table": ("table",), "clock": ("clock",)}
     channels = seats.get(law.seat) or tuple(f"gyro{i + 1}" for i in range(campaign.unit.n))
-    runs = (campaign.runs[rng.integers(len(campaign.runs))].run_id,) if effect in IN_ONE_RUN else ("*",)
+    runs = ("*",)
+    if effect in IN_ONE_RUN:
+        acting = campaign.runs[rng.integers(len(campaign.runs))]
+        # the laws look at the first run for lengths
+        others = tuple(run for run in campaign.runs if run is not acting)
+        runs, campaign = (acting.run_id,), replace(campaign, runs=(acting, *others))
     parameters = law.rest(campaign, gyro, rng)
     if effect == "channel_swap" and int(parameters["with"][4:]) < gyro + 1:
         # one swap has one name: the lower gyro stands first
@@ -53,7 +58,7 @@ def draw_entry(
 _POSITIVE = (
     "angle_random_walk", "bias_instability", "rate_random_walk", "common_noise", "periodic_interference",
     "base_motion", "table_rate_ripple", "dead_zone", "adc_nonlinearity", "low_pass", "latency", "dropouts",
-    "spikes", "stuck_samples", "band_limited_noise", "line_intermodulation",
+    "spikes", "stuck_samples", "band_limited_noise", "line_intermodulation", "soft_dead_zone",
 )  # fmt: skip
 
 

@@ -50,7 +50,7 @@ def _other_gyro(campaign: Campaign, gyro: int, rng: np.random.Generator) -> str:
 
 
 def _line_hz(campaign: Campaign, rng: np.random.Generator) -> float:
-    half = campaign.runs[0].sample_rate_hz / 2.0
+    half = min(run.sample_rate_hz for run in campaign.runs) / 2.0
     return round(float(np.exp(rng.uniform(np.log(1.5), np.log(0.95 * half)))), 4)
 
 
@@ -267,4 +267,32 @@ LAWS: dict[str, Law] = {
             "high_hz": round(float(r.uniform(9.0, 20.0)), 3),
         },
     ),
+    # near the catalogue, and not of it
+    "two_warmings": Law(
+        "deg_h",
+        1.0,
+        1e-3,
+        1e3,
+        rest=lambda c, g, r: {
+            "tau_s": round(float(r.uniform(10, 30)), 2),
+            "ratio": round(float(r.uniform(6, 12)), 2),
+            "share": round(float(r.uniform(0.35, 0.65)), 3),
+        },
+    ),
+    "late_temperature_bias": Law(
+        "deg_h_per_degC", 0.3, 1e-3, 1e3, rest=lambda c, g, r: {"lag_s": round(float(r.uniform(30, 90)), 1)}
+    ),
+    "soft_dead_zone": Law("deg_h", 5.0, 0.05, 200.0, rest=_share(0.25, 0.6, "soft")),
+    "fifth_power": Law("ppm_at_10_deg_s", 50.0, 0.01, 5e3),
+    "slow_step": Law(
+        "deg_h",
+        1.0,
+        1e-3,
+        1e3,
+        rest=lambda c, g, r: {
+            "time_s": round(float(r.uniform(0.1, 0.4)) * c.runs[0].duration_s, 1),
+            "rise_s": round(float(r.uniform(0.1, 0.4)) * c.runs[0].duration_s, 1),
+        },
+    ),
+    "bent_ramp": Law("deg_h_after_1_h", 50.0, 1e-2, 1e5),
 }

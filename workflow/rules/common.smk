@@ -18,8 +18,10 @@ from fogreduce.archive.clock import faults_of_inputs, make_old
 from fogreduce.archive.code import code_digest
 from fogreduce.archive.edited import edited, notes_of
 from fogreduce.datasets.atomic import write_text
+from fogreduce.datasets.readers.installed import installed_readers, software_of
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import WorkflowConfig
+from fogreduce.metadata.file_name import problem_of_file_name
 from fogreduce.metadata.folder import find_runs, is_name, list_campaigns, load_campaign
 
 
@@ -41,6 +43,12 @@ SUMMARY = f"{RESULTS}/_summary"
 LOCK = hashlib.sha256(
     (Path(workflow.basedir) / "requirements.lock").read_bytes()
 ).hexdigest()
+
+
+# Packages that read a laboratory's own formats are part of what a result comes from.
+READERS = ", ".join(
+    " ".join(software_of(name).values()) for name in checked(installed_readers)
+)
 
 
 wildcard_constraints:
@@ -95,10 +103,14 @@ SMALL_BYTES = 1 << 16
 
 @lru_cache(maxsize=None)
 def files_in(folder):
-    """The files of a folder, in order; hidden ones are passed over."""
+    """The files of a folder, in order; hidden ones and those that no run.yaml may name are passed over."""
     with os.scandir(folder) as entries:
         return sorted(
-            entry.path for entry in entries if entry.name[0] != "." and entry.is_file()
+            entry.path
+            for entry in entries
+            if entry.name[0] != "."
+            and not problem_of_file_name(entry.name)
+            and entry.is_file()
         )
 
 
@@ -237,10 +249,7 @@ def diagnosed_inputs(wildcards):
             for run in FOUND[wildcards.campaign][0]
         ]
     return sorted(
-        str(path)
-        for run in FOUND[wildcards.campaign][0]
-        for path in run.iterdir()
-        if path.is_file()
+        path for run in FOUND[wildcards.campaign][0] for path in files_in(run)
     )
 
 
@@ -252,7 +261,8 @@ def diagnosed_folder(wildcards):
 
 def summary_tables():
     """The tables over all runs."""
-    return [f"{SUMMARY}/{name}.csv" for name in ("drift_all", "rates_all", "failed")]
+    names = ("drift_all", "rates_all", "commanded_all", "failed")
+    return [f"{SUMMARY}/{name}.csv" for name in names]
 
 
 def summary_command(out):

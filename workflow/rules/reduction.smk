@@ -17,6 +17,7 @@ rule manifest:
         edited=edited_outputs("manifest"),
         code=code_digest(),
         lock=LOCK,
+        readers=READERS,
         run=run_says,
         label=RUN_LABEL,
         folder=RUN_FOLDER,
@@ -120,6 +121,7 @@ rule drift:
         fit=rules.fit.output[1],
     output:
         run_file("tables/drift.csv"),
+        run_file("tables/rates.csv"),
     log:
         run_file("logs/drift.log"),
     params:

@@ -5,6 +5,7 @@ rule summary:
     input:
         drift=expand(run_file("tables/drift.csv"), zip, **run_wildcards()),
         rates=expand(run_file("tables/rate_fit.csv"), zip, **run_wildcards()),
+        commanded=expand(run_file("tables/rates.csv"), zip, **run_wildcards()),
     output:
         summary_tables(),
     log:
