@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.pages import svg
+from fogreduce.pages.attention import RED_FLAG, has_red_flag, names_of, runs_to_see
 from fogreduce.pages.gather import Entry, Gathered
 from fogreduce.pages.numbers import count, duration, number, plus_minus
 from fogreduce.pages.render import Crumb, page
@@ -41,6 +42,13 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
         "about": gathered.about,
         "name": gathered.name,
         "facts": _facts(gathered),
+        "attention": runs_to_see(
+            [
+                (entry.run_id, f"{entry.run_id}/index.html" if entry.page else None, entry.overview)
+                for entry in runs
+                if entry.overview is not None
+            ]
+        ),
         "failed": gathered.failed,
         "most_failed": _MOST_FAILED,
         "left_out": gathered.left_out,
@@ -66,11 +74,12 @@ def _facts(gathered: Gathered) -> list[tuple[str, str]]:
     seen = [entry.overview for entry in gathered.reduced if entry.overview]
     dates = sorted(overview["started_at"] for overview in seen)
     flagged = sum(bool(overview["flagged"]) for overview in seen)
+    red = sum(has_red_flag(overview) for overview in seen)
     pairs = [
         (
             "Runs",
             f"{count(len(gathered.runs))}: {count(len(seen))} reduced, of these {count(flagged)} with "
-            f"something flagged; {count(len(gathered.failed))} failed",
+            f"something flagged and {count(red)} with red flags; {count(len(gathered.failed))} failed",
         ),
         ("Unit", _several(overview["unit"] for overview in seen)),
         ("From, to", " to ".join(dict.fromkeys(date[:10] for date in (dates[:1] + dates[-1:])))),
@@ -110,8 +119,8 @@ def _columns(runs: Sequence[Entry]) -> list[dict[str, str]]:
     seen = [entry.overview for entry in runs if entry.overview]
     columns = []
     for kind, title in (("drift", "drift {} [deg/h]"), ("offset", "offset {} [deg/h]")):
-        axes = [axis for axis in "xyz" if any(axis in overview[kind] for overview in seen)]
-        columns += [{"kind": kind, "of": axis, "title": title.format(axis)} for axis in axes]
+        names = names_of(kind, seen)
+        columns += [{"kind": kind, "of": name, "title": title.format(name)} for name in names]
     if any(overview["noise"] for overview in seen):
         columns.append({"kind": "noise", "of": "", "title": "noise [deg/√h]"})
     if any(overview["temperature"] for overview in seen):
@@ -128,10 +137,12 @@ def _row(place: int, entry: Entry, columns: Sequence[dict[str, str]]) -> dict[st
         version = ""
     else:
         state = "flagged" if overview["flagged"] else "reduced"
+        if has_red_flag(overview):
+            state = RED_FLAG
         table = table_text(overview)
         length, version = overview["duration_s"], overview["version_id"]
         cells = [_cell(overview, column) for column in columns]
-        said = flags_text(overview["flagged"])
+        said = "; ".join(filter(None, (_attention_text(overview), flags_text(overview["flagged"]))))
     return {
         "place": place,
         "run_id": entry.run_id,
@@ -145,6 +156,13 @@ def _row(place: int, entry: Entry, columns: Sequence[dict[str, str]]) -> dict[st
         "said": said,
         "version": version,
     }
+
+
+def _attention_text(overview: dict[str, Any]) -> str:
+    """The first of what stands at the top of a run's page."""
+    said = overview.get("attention", ())
+    more = f" and {len(said) - 1} more" if len(said) > 1 else ""
+    return f"{said[0]['kind']}: {said[0]['text']}{more}" if said else ""
 
 
 def table_text(overview: dict[str, Any]) -> str:
@@ -190,19 +208,23 @@ def _charts(runs: Sequence[Entry]) -> list[dict[str, Any]]:
     ticks = svg.some_ticks([entry.started_at[:10] for entry in runs])
     charts = []
     for kind, title, text in (
-        ("drift", "Drift", "Bars: one standard error by the noise that the residuals show."),
+        (
+            "drift",
+            "Drift",
+            "Bars: one standard error by the noise that the residuals show. Drift leaves out how far the "
+            "mean rate is off: that is the next figure.",
+        ),
         (
             "offset",
             "Mean rates less commanded",
             "Mean of the fitted curve over the run, Earth's rate taken away, less the commanded rate.",
         ),
     ):
-        axes = [axis for axis in "xyz" if any(axis in overview[kind] for overview in some)]
         panels = []
-        for axis in axes:
-            entries = [overview[kind].get(axis, {}) if overview else {} for overview in seen]
+        for of in names_of(kind, some):
+            entries = [overview[kind].get(of, {}) if overview else {} for overview in seen]
             values, errors = ([entry.get(name) for entry in entries] for name in ("value", "error"))
-            panels.append(svg.Panel(axis, "deg/h", values, errors, zero=True))
+            panels.append(svg.Panel(of, "deg/h", values, errors, zero=True))
         charts.append((title, text, panels))
     gyros = sorted({gyro for overview in some for gyro in overview["noise"]})
     noise = [

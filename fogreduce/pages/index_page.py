@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fogreduce.pages import svg
+from fogreduce.pages.attention import has_red_flag, names_of, runs_to_see
 from fogreduce.pages.control import FEWEST_RUNS, Control, control
 from fogreduce.pages.gather import Entry, Gathered
 from fogreduce.pages.numbers import count, number, plus_minus
@@ -48,6 +49,9 @@ def index_page(campaigns: Sequence[Gathered]) -> str:
     runs.sort(key=lambda run: run.key)
     units = sorted({str(run.overview["unit"]) for run in runs})
     context = {
+        "attention": runs_to_see(
+            [(f"{run.campaign} / {run.entry.run_id}", run.href, run.overview) for run in runs]
+        ),
         "campaigns": [_campaign(gathered) for gathered in campaigns],
         "units": [_unit(unit, [run for run in runs if run.overview["unit"] == unit]) for unit in units],
         "fewest": FEWEST_RUNS,
@@ -68,6 +72,7 @@ def _campaign(gathered: Gathered) -> dict[str, Any]:
         "runs": len(gathered.runs),
         "failed": len(gathered.failed),
         "flagged": sum(bool(overview["flagged"]) for overview in seen),
+        "red_flags": sum(has_red_flag(overview) for overview in seen),
     }
 
 
@@ -76,7 +81,7 @@ def _unit(unit: str, runs: Sequence[Dated]) -> dict[str, Any]:
     charts = []
     for kind, title in _QUANTITIES:
         panels, rows, out = [], [], []
-        for axis in "xyz":
+        for axis in names_of(kind, [run.overview for run in runs]):
             there = [
                 k for k, run in enumerate(runs) if run.overview[kind].get(axis, {}).get("value") is not None
             ]

@@ -12,17 +12,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fogreduce.archive.records import read_manifest, read_record
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.errors import BadInput
-from fogreduce.estimate.mean_curve import integral_terms
+from fogreduce.pages.attention import attention
 from fogreduce.physics.raw_quantity import unit_of_capture
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 OVERVIEW = "reports/overview.json"
-SCHEMA = "fogreduce/overview/1"
+SCHEMA = "fogreduce/overview/2"
 
 
 def overview(folder: Path) -> dict[str, Any]:
@@ -36,10 +34,11 @@ def overview(folder: Path) -> dict[str, Any]:
     Returns
     -------
     dict
-        Plain data. ``drift``, ``offset`` (mean rate less commanded): axis -> ``value``, ``error`` (standard
-        error of the noise that the residuals show), ``stated`` [deg/h]. ``noise``: gyro -> angle random walk
-        [deg/sqrt(h)]. ``temperature``: of the sensors, ``mean``, ``low``, ``high`` [degC]; None: no log.
-        ``flagged``: kind -> number, none of them 0. ``assumed``: values that nobody stated.
+        Plain data. ``drift``, ``offset`` (mean rate less commanded): axis, or gyro where there are no axes ->
+        ``value``, ``error`` (standard error of the noise that the residuals show), ``stated`` [deg/h].
+        ``noise``: gyro -> angle random walk [deg/sqrt(h)]. ``temperature``: of the sensors, ``mean``,
+        ``low``, ``high`` [degC]; None: no log. ``flagged``: kind -> number, none of them 0. ``attention``:
+        what stands at the top of pages. ``assumed``: values that nobody stated.
 
     Raises
     ------
@@ -55,7 +54,9 @@ def overview(folder: Path) -> dict[str, Any]:
     flagged = {name: int(ingest[name] or 0) for name in ("lost", "torn_bytes")}
     flagged |= {name: int(value) for name, value in ingest["flagged"].items()}
     flagged["unstable_intervals"] = len(fit["unstable"])
-    drift = {name: read_rows(folder, name, version, raw_unit) for name in COLUMNS}["drift"]
+    tables = {name: read_rows(folder, name, version, raw_unit) for name in COLUMNS}
+    flagged = {name: value for name, value in flagged.items() if value}
+    expected = int(ingest["expected"])
     return {
         "schema": SCHEMA,
         "version_id": version,
@@ -71,10 +72,11 @@ def overview(folder: Path) -> dict[str, Any]:
         "rates_deg_s": [step["rate_deg_s"] for step in profile],
         "duration_s": math.fsum(step["duration_s"] for step in profile),
         "records": int(ingest["records"]),
-        "expected": int(ingest["expected"]),
-        "flagged": {name: value for name, value in flagged.items() if value},
-        "drift": _drift(drift),
-        "offset": _offset(fit, drift),
+        "expected": expected,
+        "flagged": flagged,
+        "attention": attention(tables["rates"], tables["warnings"], flagged, expected),
+        "drift": _drift(tables["drift"]),
+        "offset": _offset(tables["rates"]),
         "noise": _noise(fit, manifest.calibration_record[raw_unit.scale_factor_key]),
         "temperature": _temperature(folder),
         "assumed": [item.model_dump() for item in manifest.assumed],
@@ -147,45 +149,20 @@ def _first(*values: float | None) -> float | None:
     return next((value for value in values if value is not None), None)
 
 
-def _offset(fit: Mapping[str, Any], drift: list[Row]) -> dict[str, dict[str, float | None]]:
-    """Mean of the fitted curve less the commanded rate, over all segments [deg/h]."""
-    commanded = {
-        (row["segment"], row["axis"]): float(row["nominal_deg"]) / float(row["duration_s"])
-        for row in drift
-        if row["segment"] != "all"
-    }
-    sums: dict[str, list[float]] = {}
-    for segment in fit["segments"]:
-        start, stop = segment["start_s"], segment["stop_s"]
-        for item in segment["channels"]:
-            key = (str(segment["segment"]), item["channel"]) if item else None
-            if key not in commanded:
-                continue
-            terms = integral_terms(np.array([start, stop]), item["rate_rad_s"]) @ np.array([-1.0, 1.0])
-            angle = float(terms @ np.array(item["theta"])) - commanded[key] * (stop - start)
-            noise, stated = (
-                _deviation(terms, item[name] if item[name] is not None else item["covariance"])
-                for name in ("coloured_covariance", "stated_covariance")
-            )
-            entry = sums.setdefault(item["channel"], [0.0, 0.0, 0.0, 0.0])
-            entry[0] += stop - start
-            entry[1] += angle
-            entry[2] = math.hypot(entry[2], noise)
-            entry[3] += stated if item["stated_covariance"] is not None else math.nan
-    return {
-        axis: {
-            "value": angle / whole * SECONDS_PER_HOUR,
-            "error": real(str(noise / whole * SECONDS_PER_HOUR)),
-            "stated": real(str(stated / whole * SECONDS_PER_HOUR)),
-        }
-        for axis, (whole, angle, noise, stated) in sums.items()
-    }
+def _offset(rows: list[Row]) -> dict[str, dict[str, float | None]]:
+    """Mean rate less the commanded one of the whole run [deg/h]."""
+    whole = "all" if any(row["segment"] == "all" for row in rows) else "1"
+    found = {}
+    for row in rows:
+        value = real(row["difference_deg_h"])
+        if row["segment"] == whole and value is not None:
+            noise, stated = (real(row[f"difference_err_{of}_deg_s"]) for of in ("noise", "stated"))
+            found[row["axis"]] = {"value": value, "error": _per_hour(noise), "stated": _per_hour(stated)}
+    return found
 
 
-def _deviation(terms: Any, covariance: Any) -> float:
-    if covariance is None:
-        return math.nan
-    return math.sqrt(max(0.0, float(terms @ np.array(covariance) @ terms)))
+def _per_hour(rate_deg_s: float | None) -> float | None:
+    return None if rate_deg_s is None else rate_deg_s * SECONDS_PER_HOUR
 
 
 def _noise(fit: Mapping[str, Any], scale_factors: list[float]) -> dict[str, float]:

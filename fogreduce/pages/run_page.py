@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.archive.records import Manifest, read_manifest, read_record
+from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.pages import svg
+from fogreduce.pages.attention import first_of_each, names_of
 from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
 from fogreduce.pages.overview import overview, real, report
 from fogreduce.pages.render import Crumb, page
@@ -71,7 +73,9 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "run": seen,
         "facts": _facts(manifest, seen),
         "notes": manifest.run.get("notes"),
-        "drift": _drift_rows(tables["drift"]),
+        "attention": first_of_each(seen["attention"]),
+        "drift": _drift_rows(tables["drift"], tables["rates"]),
+        "rates": _rate_rows(tables["rates"]),
         "chart": None if figures else _chart(seen),
         "flags": [flag(kind, value) for kind, value in seen["flagged"].items()],
         "places": _places(folder, version),
@@ -139,7 +143,9 @@ def started(text: str) -> str:
     return text.replace("T", " ").replace("Z", " UTC")
 
 
-def _drift_rows(rows: list[Row]) -> list[dict[str, str]]:
+def _drift_rows(rows: list[Row], rates: list[Row]) -> list[dict[str, str]]:
+    """Drift with the difference of the mean rate beside it, which drift leaves out."""
+    offsets = {(row["axis"], row["segment"]): _difference(row) for row in rates}
     out = []
     for row in rows:
         values = {name: real(text) for name, text in row.items()}
@@ -154,25 +160,59 @@ def _drift_rows(rows: list[Row]) -> list[dict[str, str]]:
                 "error": plus_minus(values["accumulated_error_deg"], angle_error),
                 "drift": plus_minus(values["drift_deg_h"], drift_error),
                 "stated": number(values["drift_err_stated_deg_h"], 2),
+                "integral": plus_minus(
+                    values["integral_less_commanded_deg"],
+                    values["integral_err_coloured_deg"] or values["integral_err_deg"],
+                ),
+                "offset": offsets.get((row["axis"], row["segment"]), ""),
             }
         )
     return out
 
 
+def _difference(row: Row) -> str:
+    """Mean rate less the commanded one, and its error by noise [deg/h]."""
+    noise = real(row["difference_err_noise_deg_s"])
+    return plus_minus(real(row["difference_deg_h"]), None if noise is None else noise * SECONDS_PER_HOUR)
+
+
+def _rate_rows(rows: list[Row]) -> list[list[str]]:
+    """Axis, segment, measured, commanded, difference, error, sigma, ppm, the sine that is left, verdict."""
+    out = []
+    for row in rows:
+        values = {name: real(text) for name, text in row.items()}
+        verdict = row["verdict"] + (f": {row['looks_like']}" if row["looks_like"] else "")
+        out.append(
+            [
+                row["axis"],
+                "whole run" if row["segment"] == "all" else row["segment"],
+                number(values["measured_deg_s"], 9),
+                number(values["commanded_deg_s"], 9),
+                number(values["difference_deg_h"], 4),
+                number(values["difference_err_deg_h"], 2),
+                number(values["difference_sigma"], 3),
+                number(values["difference_ppm"], 4),
+                plus_minus(values["sine_deg_h"], values["sine_err_deg_h"]),
+                verdict,
+            ]
+        )
+    return out
+
+
 def _chart(seen: dict[str, Any]) -> Any:
-    """Drift of each axis with its error; nothing for a unit without axes."""
-    axes = [axis for axis, entry in seen["drift"].items() if entry["value"] is not None]
-    if not axes:
+    """Drift and mean rate less commanded with their errors; nothing for a run without either."""
+    names = names_of("offset", [seen])
+    panels, said = [], []
+    for kind, title in (("drift", "drift"), ("offset", "mean rate")):
+        entries = [seen[kind].get(name, {}) for name in names]
+        values, errors = ([entry.get(of) for entry in entries] for of in ("value", "error"))
+        if any(value is not None for value in values):
+            panels.append(svg.Panel(title, "deg/h", values, errors, zero=True))
+            each = zip(names, values, errors, strict=True)
+            said.append(f"{title} " + "; ".join(f"{name} {plus_minus(v, e)}" for name, v, e in each))
+    if not panels:
         return None
-    entries = [seen["drift"][axis] for axis in axes]
-    said = "; ".join(
-        f"{axis} {plus_minus(entry['value'], entry['error'])}"
-        for axis, entry in zip(axes, entries, strict=True)
-    )
-    panel = svg.Panel(
-        "drift", "deg/h", [e["value"] for e in entries], [e["error"] for e in entries], zero=True
-    )
-    return svg.points([panel], list(enumerate(axes)), f"Drift in deg/h with standard error: {said}")
+    return svg.points(panels, list(enumerate(names)), f"In deg/h with standard errors: {'. '.join(said)}")
 
 
 def _fit_rows(rows: list[Row], name: str, unit: str, slope: str) -> list[list[str]]:

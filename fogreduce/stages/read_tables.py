@@ -22,11 +22,12 @@ COLUMNS: Mapping[str, Callable[[RawUnit], Sequence[str]]] = {
     "unstable": lambda _: ("gyro", "start_s", "stop_s", "noise_ratio", "version_id"),
     "drift": lambda _: DRIFT_COLUMNS,
     "rates": lambda _: RATES_COLUMNS,
+    "warnings": lambda _: ("severity", "what", "where", "found", "expected", "version_id"),
 }
 #: Tables that have a row of every run.
 _NEVER_EMPTY = ("quality", "gyro_fit")
 #: Tables that results of earlier versions do not have.
-_MAY_BE_ABSENT = ("rates",)
+_MAY_BE_ABSENT = ("rates", "warnings")
 #: Columns that hold a number in every row.
 _NUMBERS = ("duration_s", "nominal_deg")
 

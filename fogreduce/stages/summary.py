@@ -31,7 +31,7 @@ FAILED_COLUMNS = ("campaign", "run_id", "stage", "reason")
 _LOGS = ("manifest", "ingest", "calibrate", "project", "remove_earth", "fit", "drift")
 _LONGEST_REASON = 500
 #: Lines of a log that begin so are said beside results, and are no reason why there are none.
-SAID_BESIDE = ("red flag: ", "warning: ")
+RED_FLAG, WARNING = "red flag: ", "warning: "
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,11 @@ def why_none(folder: Path, otherwise: str) -> tuple[str, str]:
             said = path.read_text(encoding="utf-8", errors="replace").split("\n")
         except FileNotFoundError:
             continue
-        said = [" ".join(line.split()) for line in said if line.strip() and not line.startswith(SAID_BESIDE)]
+        said = [
+            " ".join(line.split())
+            for line in said
+            if line.strip() and not line.startswith((RED_FLAG, WARNING))
+        ]
         if any(line.startswith("Traceback") for line in said):
             said = said[-1:]
         if said:

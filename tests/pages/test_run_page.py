@@ -114,7 +114,9 @@ def test_without_figures_the_drift_is_drawn(lab, tmp_path) -> None:
     folder = Path(shutil.copytree(lab.run("r2"), tmp_path / "r2"))
     shutil.rmtree(folder / "figures")
     page = html_checks.check(module.run_page(folder), scripts=0)
-    assert "Drift in deg/h" in page.all("svg")[0]["aria-label"]
+    said = page.all("svg")[0]["aria-label"]
+    assert "drift x" in said
+    assert "mean rate x" in said
 
 
 def test_an_overview_of_another_version_is_not_used(lab, tmp_path) -> None:
@@ -196,6 +198,6 @@ def test_a_unit_of_two_gyros_has_a_page_without_drift(tmp_path) -> None:
     assert "no x, y, z, so no drift" in page.words
     succeed("page", "campaign", out.parent)
     page = html_checks.check((out.parent / "index.html").read_text(), scripts=1)
-    assert [attrs["aria-label"][:5] for attrs in page.all("svg")] == ["Noise"]
+    assert [attrs["aria-label"][:5] for attrs in page.all("svg")] == ["Mean ", "Noise"]
     succeed("page", "index", out.parent.parent)
     html_checks.check((out.parent.parent / "index.html").read_text(), scripts=0)

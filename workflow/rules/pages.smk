@@ -6,7 +6,7 @@ rule run_page:
         manifest=run_file("manifest.json"),
         ingest=run_file("datasets/ingest.nc"),
         reports=[run_file("reports/ingest.json"), run_file("reports/fit.json")],
-        drift=run_file("tables/drift.csv"),
+        drift=[run_file("tables/drift.csv"), run_file("tables/rates.csv")],
         figures=run_file("figures") if CONFIG.figures.enabled else [],
     output:
         run_file("index.html"),

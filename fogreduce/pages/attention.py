@@ -1,0 +1,99 @@
+"""What stands at the top of a page: red flags of rates.csv, warnings of ingest, records lost or flagged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fogreduce.stages.rate_flags import flag_text, odd_rows
+from fogreduce.stages.read_tables import Row
+
+RED_FLAG, WARNING = "red flag", "warning"
+#: A kind of record lost or flagged more often than this is said at the top.
+_SHARE = 0.01
+#: So many of a kind stand at the top; the tables have all.
+_MOST = 6
+
+
+@dataclass(frozen=True)
+class RunsToSee:
+    """Runs with something at the top of their pages.
+
+    Attributes
+    ----------
+    shown : list of dict
+        ``run``, ``href`` (None: no page), ``kind``, ``text`` (the first), ``more`` (how many more).
+    more : int
+        Runs that are not shown.
+    """
+
+    shown: list[dict[str, Any]]
+    more: int
+
+
+def attention(
+    rates: Sequence[Row], warnings: Sequence[Row], flagged: Mapping[str, int], expected: int
+) -> list[dict[str, str]]:
+    """What a reader should see first: ``kind`` and ``text`` of each, red flags before warnings.
+
+    Parameters
+    ----------
+    rates, warnings : sequence of rows
+        Of rates.csv and warnings.csv.
+    flagged : mapping
+        Kind -> records lost or flagged.
+    expected : int
+        Records that a whole capture holds.
+    """
+    said = [(RED_FLAG, flag_text(row)) for row in odd_rows(rates)]
+    said += [
+        (
+            row["severity"] or WARNING,
+            f"{row['where']}: {row['what']}: found {row['found']}; expected {row['expected']}",
+        )
+        for row in warnings
+    ]
+    said += [
+        (WARNING, f"{kind.replace('_', ' ')}: {value} of {expected} records, {100 * value / expected:.2g} %")
+        for kind, value in flagged.items()
+        if kind not in ("torn_bytes", "unstable_intervals") and value > _SHARE * expected
+    ]
+    return [{"kind": kind, "text": text} for kind, text in said]
+
+
+def first_of_each(said: Sequence[Mapping[str, str]]) -> tuple[list[Mapping[str, str]], int]:
+    """The first few of each kind, and how many more there are."""
+    shown = []
+    for kind in dict.fromkeys(entry["kind"] for entry in said):
+        shown += [entry for entry in said if entry["kind"] == kind][:_MOST]
+    return shown, len(said) - len(shown)
+
+
+def runs_to_see(runs: Sequence[tuple[str, str | None, Mapping[str, Any]]], most: int = 10) -> RunsToSee:
+    """Of runs as (name, page, overview) those with something to be seen, red flags before warnings."""
+    found = [
+        {
+            "run": name,
+            "href": href,
+            "kind": overview["attention"][0]["kind"],
+            "text": overview["attention"][0]["text"],
+            "more": len(overview["attention"]) - 1,
+        }
+        for name, href, overview in runs
+        if overview.get("attention")
+    ]
+    found.sort(key=lambda entry: entry["kind"] != RED_FLAG)
+    return RunsToSee(found[:most], max(0, len(found) - most))
+
+
+def has_red_flag(overview: Mapping[str, Any]) -> bool:
+    """Whether a run's overview has a red flag."""
+    return any(entry["kind"] == RED_FLAG for entry in overview.get("attention", ()))
+
+
+def names_of(kind: str, overviews: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Axes, or gyros of units without axes, that have a quantity in some run: x, y, z before gyros."""
+    return sorted(
+        {name for overview in overviews for name in overview[kind]}, key=lambda name: (len(name), name)
+    )
