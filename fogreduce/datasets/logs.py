@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import csv
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.datasets.readers.text import number_in
 from fogreduce.errors import BadInput
 
 Array = NDArray[np.float64]
 
-TEMPERATURE_COLUMNS = ("time_s", "electronics_degC", "sensor_degC")
-TABLE_COLUMNS = ("time_s", "angle_deg")
+#: Columns of a temperature log: one temperature is enough.
+TEMPERATURE_COLUMNS = (
+    ("time_s", "electronics_degC", "sensor_degC"),
+    ("time_s", "sensor_degC"),
+    ("time_s", "electronics_degC"),
+)
+TABLE_COLUMNS = (("time_s", "angle_deg"),)
 
 #: Temperatures beyond these are a fault of the log, not of the laboratory [degC].
 COLDEST_DEGC, HOTTEST_DEGC = -273.15, 500.0
@@ -23,10 +28,14 @@ COLDEST_DEGC, HOTTEST_DEGC = -273.15, 500.0
 
 @dataclass(frozen=True)
 class TemperatureLog:
-    """Temperatures about once a second: time since the run's start [s] and degrees Celsius, each (k,)."""
+    """Temperatures about once a second: time since the run's start [s] and degrees Celsius, each (k,).
+
+    Where one temperature was logged it stands for the sensors'; `electronics_degC` is None where that is not
+    the electronics'.
+    """
 
     time_s: Array
-    electronics_degC: Array
+    electronics_degC: Array | None
     sensor_degC: Array
 
     def sensor_at(self, time_s: Array) -> Array:
@@ -48,40 +57,56 @@ class TableLog:
 
 def read_temperature(path: Path) -> TemperatureLog:
     """Read and check ``temperature.csv``; BadInput with the line at fault."""
-    columns = _read(path, TEMPERATURE_COLUMNS)
-    for name, values in zip(TEMPERATURE_COLUMNS[1:], columns[1:], strict=True):
+    columns, lines = _read(path, TEMPERATURE_COLUMNS)
+    time_s = columns.pop("time_s")
+    for name, values in columns.items():
         wrong = (values < COLDEST_DEGC) | (values > HOTTEST_DEGC)
         if wrong.any():
             row = int(np.argmax(wrong))
             raise BadInput.at(
                 path,
-                f"line {row + 2}",
+                f"line {lines[row]}",
                 found=f"{name} {values[row]}",
                 expected=f"{COLDEST_DEGC} to {HOTTEST_DEGC} degC",
             )
-    return TemperatureLog(*columns)
+    electronics = columns.get("electronics_degC")
+    sensor = columns.get("sensor_degC", electronics)
+    assert sensor is not None
+    return TemperatureLog(time_s, electronics, sensor)
 
 
 def read_table_log(path: Path) -> TableLog:
     """Read and check ``table.csv``; BadInput with the line at fault. Angles are continuous (not wrapped)."""
-    return TableLog(*_read(path, TABLE_COLUMNS))
+    return TableLog(**_read(path, TABLE_COLUMNS)[0])
 
 
-def _read(path: Path, columns: tuple[str, ...]) -> list[Array]:
-    """Columns of finite numbers under one header line, time increasing."""
+def _read(path: Path, layouts: tuple[tuple[str, ...], ...]) -> tuple[dict[str, Array], list[int]]:
+    """Columns of finite numbers by name, time increasing, under one header line; and the lines of the rows.
+
+    What spreadsheets do is accepted: a byte order mark, any line end, quotes, spaces, blank lines.
+    """
+    expected = " or ".join(map(",".join, layouts))
+    rows: list[list[float]] = []
+    numbers: list[int] = []
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            lines = csv.reader(file)
+        with path.open(encoding="utf-8-sig") as file:
+            lines = csv.reader(file, skipinitialspace=True)
             header = next(lines, None)
             if header is None:
-                raise BadInput.at(path, "", found="an empty file", expected=",".join(columns))
-            if tuple(header) != columns:
-                raise BadInput.at(path, "line 1", found=",".join(header)[:80], expected=",".join(columns))
-            rows = [_row(path, number, fields, len(columns)) for number, fields in enumerate(lines, start=2)]
+                raise BadInput.at(path, "", found="an empty file", expected=expected)
+            names = tuple(name.strip() for name in header)
+            if names not in layouts:
+                raise BadInput.at(path, "line 1", found=",".join(header)[:80], expected=expected)
+            for fields in lines:
+                if any(field.strip() for field in fields):
+                    rows.append(_row(path, lines.line_num, fields, len(names)))
+                    numbers.append(lines.line_num)
     except OSError as error:
         raise BadInput.at(path, "", found=error.strerror, expected="a readable CSV file") from None
     except UnicodeDecodeError:
         raise BadInput.at(path, "", found="bytes that are not UTF-8", expected="text") from None
+    except csv.Error as error:
+        raise BadInput.at(path, f"line {lines.line_num}", found=str(error), expected="CSV") from None
     if not rows:
         raise BadInput.at(path, "line 2", found="no rows", expected="at least one")
     table = np.array(rows)
@@ -90,20 +115,17 @@ def _read(path: Path, columns: tuple[str, ...]) -> list[Array]:
         row = int(np.argmax(steps <= 0)) + 1
         raise BadInput.at(
             path,
-            f"line {row + 2}",
+            f"line {numbers[row]}",
             found=f"time_s {table[row, 0]} after {table[row - 1, 0]}",
             expected="increasing times",
         )
-    return [np.ascontiguousarray(column) for column in table.T]
+    return {name: np.ascontiguousarray(column) for name, column in zip(names, table.T, strict=True)}, numbers
 
 
 def _row(path: Path, number: int, fields: list[str], width: int) -> list[float]:
-    try:
-        values = [float(field) for field in fields]
-    except ValueError:
-        values = []
-    if len(values) != width or not all(map(math.isfinite, values)):
+    values = [number_in(field) for field in fields]
+    if len(values) != width or None in values:
         raise BadInput.at(
             path, f"line {number}", found=",".join(fields)[:80], expected=f"{width} finite numbers"
         )
-    return values
+    return [value for value in values if value is not None]

@@ -12,11 +12,11 @@ from fogreduce.figures.results import Results
 
 def draw(results: Results, log: TemperatureLog) -> Figure:
     """Electronics and sensor, each on its own scale: what matters is how they change."""
-    figure, rows = style.panels(results.identity, "Temperatures beside the run", 2, 2.0)
+    logged = {"electronics": log.electronics_degC, "sensor": log.sensor_degC}
+    shown = {name: values for name, values in logged.items() if values is not None}
+    figure, rows = style.panels(results.identity, "Temperatures beside the run", len(shown), 2.0)
     unstable = False
-    for (axes,), name, values in zip(
-        rows, ("electronics", "sensor"), (log.electronics_degC, log.sensor_degC), strict=True
-    ):
+    for (axes,), (name, values) in zip(rows, shown.items(), strict=True):
         unstable |= parts.shade_unstable(axes, results, results.gyros.names)
         axes.plot(*thin_line(log.time_s, values), color=style.MEAN)
         axes.margins(y=0.08)

@@ -100,7 +100,7 @@ def temperature(inputs: Sequence[RunInput], proposal: Proposal) -> TemperatureLo
     time_s = np.arange(np.ceil(proposal.duration_s) + 1.0)
     share = np.clip(2.0 * time_s / proposal.duration_s, 0.0, 1.0)
     sensor = start + SOAK_DEGC * share * proposal.soak
-    return TemperatureLog(time_s, sensor.copy(), sensor)
+    return TemperatureLog(time_s, None, sensor)
 
 
 def as_input(inputs: Sequence[RunInput], proposal: Proposal) -> RunInput:

@@ -107,9 +107,9 @@ def _campaign(
     here = plan_folder / "runs" / RUN_ID
     write_text(here / "run.yaml", dump_yaml(run_document(inputs[0].run, best.proposal, log is not None)))
     if log is not None:
-        rows = zip(log.time_s.tolist(), log.electronics_degC.tolist(), log.sensor_degC.tolist(), strict=True)
-        lines = "".join(f"{t:.6g},{e:.6g},{s:.6g}\n" for t, e, s in rows)
-        write_text(here / "temperature.csv", "time_s,electronics_degC,sensor_degC\n" + lines)
+        rows = zip(log.time_s.tolist(), log.sensor_degC.tolist(), strict=True)
+        lines = "".join(f"{t:.6g},{s:.6g}\n" for t, s in rows)
+        write_text(here / "temperature.csv", "time_s,sensor_degC\n" + lines)
     entries = [
         {"effect": c.effect, "channels": list(c.channels), "runs": [RUN_ID], "parameters": c.parameters()}
         for c in causes

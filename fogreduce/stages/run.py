@@ -199,7 +199,8 @@ def _read_logs(setup: Setup, run_dir: Path) -> Logs:
         if run.get("temperature") is not None:
             temperature = read_temperature(run_dir / run["temperature"])
             logs["temperature_time"] = microseconds(temperature.time_s)
-            logs["electronics_temperature"] = temperature.electronics_degC
+            if temperature.electronics_degC is not None:
+                logs["electronics_temperature"] = temperature.electronics_degC
             logs["sensor_temperature"] = temperature.sensor_degC
     except BadInput as error:
         faults += error.faults
