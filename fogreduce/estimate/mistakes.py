@@ -20,7 +20,7 @@ from fogreduce.estimate.curve_projection import CurveProjection
 from fogreduce.estimate.gyro_curves import expected_gyro_curves, rate_curve
 from fogreduce.estimate.uncertainty import StatedErrors, mean_rate_terms, stated_gyro_covariance
 from fogreduce.metadata.facts import RunFacts
-from fogreduce.physics.frames import AXES, DIRECTIONS_ENU, rotation, unit_from_enu
+from fogreduce.physics.frames import AXES, DIRECTIONS_ENU, rotation
 from fogreduce.physics.table_motion import Profile
 
 Array = NDArray[np.float64]
@@ -228,12 +228,21 @@ def _of_the_site(facts: RunFacts, stated: StatedErrors, measured: Measured) -> I
         size = "more" if azimuth > 0 else "less"
         words = f"an azimuth of about {abs(azimuth)} deg {size} (azimuth_deg or orientation)"
         yield words, _turned_by(facts, azimuth)
-    for x, z in itertools.permutations(DIRECTIONS_ENU, 2):
-        if np.dot(DIRECTIONS_ENU[x], DIRECTIONS_ENU[z]) != 0.0:
-            continue
-        turned = unit_from_enu({"x": x, "z": z}, 0.0)
-        if not np.allclose(turned[:, 2], facts.unit_from_enu[:, 2]):  # else it is a matter of azimuth
-            yield f"the orientation x {x} and z {z}", replace(facts, unit_from_enu=turned)
+    for places in itertools.permutations(range(3)):
+        for signs in itertools.product((1, -1), repeat=3):
+            mounted = np.eye(3)[list(places)] * np.array(signs)[:, None]
+            turned = mounted @ facts.unit_from_enu
+            if np.linalg.det(mounted) < 0 or np.allclose(turned[:, 2], facts.unit_from_enu[:, 2]):
+                continue  # a mirror image, or a matter of azimuth
+            x, z = _direction(turned[0]), _direction(turned[2])
+            where = " ".join(f"{'-' if s < 0 else ''}{AXES[k]}" for k, s in zip(places, signs, strict=True))
+            words = f"x {x} and z {z}" if x and z else f"x y z where run.yaml has {where}"
+            yield f"the orientation {words}", replace(facts, unit_from_enu=turned)
+
+
+def _direction(vector: Array) -> str:
+    """North, up, ... where a unit vector (east, north, up) points that way; empty where in between."""
+    return next((name for name, way in DIRECTIONS_ENU.items() if np.allclose(vector, way)), "")
 
 
 def _turned_by(facts: RunFacts, azimuth_deg: float) -> RunFacts:
