@@ -14,6 +14,7 @@ from withheld.clairvoyant.appraisal import appraise, effect_snr
 from withheld.clairvoyant.blocks import block_count, difference, metric
 from withheld.clairvoyant.closures import subset_closure
 from withheld.clairvoyant.covariance import block_covariance, walk
+from withheld.clairvoyant.exchange import left_of, places
 from withheld.clairvoyant.full_rate import Healthy, bernoulli_divergence
 from withheld.clairvoyant.lines import motion_share
 from withheld.clairvoyant.separation import left_by, snr
@@ -257,6 +258,7 @@ def test_nothing_wrong_has_no_label():
         "slow_snr": 0.0,
         "oracle_closure": None,
         "closure_gram": None,
+        "linear": None,
     }
 
 
@@ -317,3 +319,29 @@ def test_closures_of_single_effects():
     assert subset_closure(gram, [1]) == pytest.approx(parts[1], abs=1e-3)
     assert subset_closure(gram, [0, 1]) == pytest.approx(known["oracle_closure"], abs=1e-6)
     assert subset_closure(gram, []) == 0.0
+
+
+def test_a_set_of_causes_that_does_what_the_true_set_does():
+    up_z = (("z", "up"), ("y", "north"))
+    of = campaign(
+        run("a", 8.0, 100.0), run("b", 8.0, 100.0, axis=(0.0, 1.0, 0.0), orientation=UP_Y),
+        run("c", 8.0, 100.0, axis=(0.0, 0.0, 1.0), orientation=up_z),
+    )  # fmt: skip
+    every = [
+        on("axis_misalignment", "gyro1", mrad=[0.0, 0.3, 0.1]),
+        on("axis_misalignment", "gyro2", mrad=[0.2, 0.0, -0.4]),
+        on("axis_misalignment", "gyro3", mrad=[0.5, 0.1, 0.0]),
+        on("bias_offset", "gyro1", deg_h=1.0),
+    ]
+    table = appraise(exact_world(of, tuple(every)), ALL, HEALTHY)["linear"]
+    size = left_of(table, [])
+    tipped = [("axis_misalignment", (f"gyro{i}",), ("*",)) for i in (1, 2, 3)]
+    offset, mount = ("bias_offset", ("gyro1",), ("*",)), ("mount_rotation", ("table",), ("*",))
+    assert size > 20.0
+    assert left_of(table, [*tipped, offset]) < 0.1
+    assert left_of(table, [mount, *tipped[:2], offset]) < 0.1
+    assert left_of(table, [mount, *tipped[:1], offset]) > 4.0
+    # on gyros at right angles an axis that tips reads what the other two read
+    cross = [("crosstalk", (f"gyro{i}",), ("*",)) for i in (1, 2, 3)]
+    assert left_of(table, [*cross, offset]) < 0.1
+    assert ("warm_up", ("gyro1",), ("*",)) not in places(table)  # a grid of time constants

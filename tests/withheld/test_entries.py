@@ -37,6 +37,23 @@ def test_a_member_of_the_true_group_stands_for_an_entry():
     assert out.strays == (False, False, False)
 
 
+def test_one_cause_stands_for_one_entry():
+    others = [{**EXCHANGED, "channels": [f"gyro{i}"]} for i in (1, 2)]
+    out = scored(cause("table_rate_error", "table"), truth=(EXCHANGED, *others))
+    assert sorted(out.exchangeable) == [False, False, True]
+    every = [cause("table_rate_error", "table"), *(cause("scale_factor_error", f"gyro{i}") for i in (1, 2))]
+    out = scored(*every, truth=(EXCHANGED, *others))
+    assert out.exchangeable == (True, True, True)
+    assert out.once
+
+
+def test_numbers_beside_a_cause_in_an_entry_s_place_count_only_where_an_entry_must_be_named():
+    off = cause("scale_factor_error", "gyro3", ppm=(900.0, 1.0))
+    good = cause("bias_offset", "gyro1", deg_h=(0.61, 0.02))
+    assert scored(good, off).within == (True, False)
+    assert scored(good, off, cause("table_rate_error", "table")).within == (True,)
+
+
 def test_a_rival_between_the_thresholds_is_a_stray():
     out = scored(cause("crosstalk", "gyro3"))
     assert (out.exchangeable, out.strays) == ((False,), (True,))
@@ -70,6 +87,27 @@ def test_the_culprit_beside_a_stale_record():
     assert scored(cause("magnetic_bias", "gyro2"), truth=truth).culprits == (True,)
     assert scored(cause("bias_offset", "gyro1"), truth=truth).culprits == (False,)
     assert score_entries(label("stale_culprit", *truth), None, T).culprits == (False,)
+
+
+def test_a_set_that_does_what_the_true_set_does_has_no_strays():
+    # two entries of SNR 30 and 20 that share nothing, and a cause whose two columns are both of them
+    table = {
+        "places": [["bias_offset", ["gyro1"], ["*"], 1], ["bias_offset", ["gyro2"], ["*"], 1],
+                   ["mount_rotation", ["table"], ["*"], 2], ["latency", ["gyro1"], ["*"], 1]],
+        "gram": [[1300.0], [900.0, 900.0], [400.0, 0.0, 400.0],
+                 [900.0, 900.0, 0.0, 900.0], [400.0, 0.0, 400.0, 0.0, 400.0], [0.0] * 5 + [1.0]],
+    }  # fmt: skip
+    truth = {**label("stale", CLEAR, SECOND), "linear": table}
+
+    def strays(*causes):
+        return score_entries(truth, diagnosis("explained", *causes), T).strays
+
+    mount, late = cause("mount_rotation", "table"), cause("latency", "gyro1")
+    assert strays(mount) == (False,)
+    assert strays(mount, late) == (False, True)  # it does not take the second
+    assert strays(mount, late, late) == (True, True, True)  # more causes than entries
+    assert strays(late) == (True,)
+    assert strays(cause("warm_up", "gyro1"), mount) == (True, True)  # not in the table, and stands for none
 
 
 @pytest.mark.parametrize(

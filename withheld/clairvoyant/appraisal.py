@@ -7,7 +7,8 @@ import numpy as np
 from withheld.arrays import Array
 from withheld.chain.injector import World
 from withheld.clairvoyant.blocks import Metric, difference, metric
-from withheld.clairvoyant.closures import closure_gram, oracle_closure
+from withheld.clairvoyant.closures import as_known, closure_gram, oracle_closure
+from withheld.clairvoyant.exchange import linear_columns
 from withheld.clairvoyant.full_rate import STATISTICS, Healthy, level_free, process_separation
 from withheld.clairvoyant.lines import FAST, motion_share, within_blocks
 from withheld.clairvoyant.rivals import EVERY, Key, Rival, slow_rivals
@@ -16,6 +17,8 @@ from withheld.effects.entry import Entry
 
 # A label lists rivals up to this separation; groups are judged well below it.
 KEPT_BELOW = 12.0
+# From so many effects on a label keeps what sets of causes can do in place of the true set.
+SEVERAL = 4
 # These change means too, so that block means tell about them.
 _BOTH = ("low_pass",)
 
@@ -113,7 +116,8 @@ def _others_of(spans: list[Array], number: int) -> Array | None:
 def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[str, Any]:
     """For each effect its SNR, its rivals' separations, the nearest first."""
     if not world.entries:
-        return {"effects": [], "slow_snr": 0.0, "oracle_closure": None, "closure_gram": None}
+        nothing = ("oracle_closure", "closure_gram", "linear")
+        return {"effects": [], "slow_snr": 0.0, **dict.fromkeys(nothing)}
     inner = metric(world)
     rivals = slow_rivals(world, inner, catalogue)
     keys: list[Key] = [(e.effect, e.channels, e.runs) for e in world.entries]
@@ -139,10 +143,13 @@ def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[
                 "attainable_std": _attainable(world, entry, alone),
             }
         )
-    whole = inner.white(difference(world, world.entries))
+    whole, known = inner.white(difference(world, world.entries)), as_known(world)
+    model = inner.white(difference(known, known.entries))
+    several = len(world.entries) >= SEVERAL
     return {
         "effects": effects, "slow_snr": snr(inner, whole), "oracle_closure": oracle_closure(world, inner),
         "closure_gram": closure_gram(world, inner),
+        "linear": linear_columns(inner, model, truths, keys, rivals) if several else None,
     }  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from withheld.clairvoyant.separation import snr
 LEAST_SNR = 3.0
 
 
-def _as_known(world: World) -> World:
+def as_known(world: World) -> World:
     """The world as a diagnoser could simulate it at best: the catalogue's shapes, the log's temperature."""
     logged = {
         run: Temperature(heat.time_s, heat.electronics_degC, heat.sensor_degC, heat.sensor_degC)
@@ -31,7 +31,7 @@ def oracle_closure(world: World, inner: Metric) -> float | None:
     gap = inner.white(difference(world, world.entries))
     if snr(inner, gap) < LEAST_SNR:
         return None
-    known = _as_known(world)
+    known = as_known(world)
     model = inner.white(difference(known, known.entries))
     return 1.0 - snr(inner, gap - model) ** 2 / snr(inner, gap) ** 2
 
@@ -45,7 +45,7 @@ def closure_gram(world: World, inner: Metric) -> list[list[float]] | None:
     size = snr(inner, gap) ** 2
     if size < LEAST_SNR**2:
         return None
-    known = _as_known(world)
+    known = as_known(world)
     columns = np.stack([gap, *(inner.white(difference(known, (e,))) for e in known.entries)], axis=1)
     return [[float(f"{value:.9g}") for value in row] for row in inner.gram(columns, columns) / size]
 

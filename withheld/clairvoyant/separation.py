@@ -21,7 +21,11 @@ def snr(inner: Metric, truth: Array) -> float:
 def left_by(inner: Metric, truth: Array, columns: Array) -> float:
     """What free multiples of whitened columns (rows, k) leave of a whitened difference (rows,)."""
     whole = float(inner.gram(truth[:, None], truth[:, None])[0, 0])
-    gram, along = inner.gram(columns, columns), inner.gram(columns, truth[:, None])[:, 0]
+    return left_in_gram(whole, inner.gram(columns, truth[:, None])[:, 0], inner.gram(columns, columns))
+
+
+def left_in_gram(whole: float, along: Array, gram: Array) -> float:
+    """The same from inner products: difference with itself, with columns (k,), and of columns (k, k)."""
     explained = float(along @ _inverse(gram, np.sqrt(np.diag(gram))) @ along)
     return float(np.sqrt(max(whole - explained, 0.0)))
 
