@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Values = NDArray[Any]  # counts (int32) or volts (float64)
+Values = NDArray[Any]  # counts (int32) or raw readings (float64)
 Flags = NDArray[np.bool_]
 
 _PIECE = 128  # samples that are searched together, with as many on each side

@@ -38,7 +38,7 @@ from fogreduce.simulate.plan import Plan
 Array = NDArray[np.float64]
 
 _CHAIN = (
-    "w [deg/s] is the unit's rate in x, y, z. Gyro i reads M_i = G_i . w plus its errors; raw volts are "
+    "w [deg/s] is the unit's rate in x, y, z. Gyro i reads M_i = G_i . w plus its errors; raw readings are "
     "v_i = polarity_i (C_i M_i + B_i); rates come back as H M, M_i = (polarity_i v_i - B_i) / C_i. Effects "
     "are departures from this chain, by the names and equations of docs/effects.md."
 )

@@ -1,4 +1,4 @@
-"""Stage 5, fit: the mean curve (eq. 7 to 9) of each gyro's volts and of x, y, z, and the run in bins.
+"""Stage 5, fit: the mean curve (eq. 7 to 9) of each gyro's raw readings and of x, y, z, and the run in bins.
 
 Each segment of constant rate is fitted on its own. Records within a guard of an edge between two rates are
 left out: a stamp rounded to the microsecond, or a table that takes time to change, must not leak in.
@@ -62,7 +62,7 @@ class ChannelFit:
     noise : ColouredNoise or None
         What `coloured` rests on.
     stated : (4, 4) array or None
-        Covariance that the stated uncertainties allow, noise not in it; None for a gyro's raw volts.
+        Covariance that the stated uncertainties allow, noise not in it; None for a gyro's raw readings.
     """
 
     channel: str
@@ -131,13 +131,13 @@ class Fit:
         time_s: Array,
         flag: NDArray[np.uint8],
         gyro_flag: NDArray[np.uint8],
-        volts: Array,
+        raw: Array,
         rates: Array | None,
     ) -> None:
-        """Add a block: times [s] (N,), flags (N,) and (n, N), volts (n, N) and rates (3, N) or None."""
+        """Add a block: times [s] (N,), flags (N,) and (n, N), readings (n, N), rates (3, N) or None."""
         usable = usable_gyros(flag, gyro_flag)
         middle_s = _mended(time_s, flag)
-        self._gyro_bins.append(bins_of(middle_s, volts, usable, self._size))
+        self._gyro_bins.append(bins_of(middle_s, raw, usable, self._size))
         usable_axes = None
         if rates is not None:
             if usable is not None:
@@ -146,7 +146,7 @@ class Fit:
         for segment in self.segments:
             inside = slice(None) if len(self.segments) == 1 else self.inside(segment, time_s)
             columns = segment.basis.columns(time_s[inside])
-            segment.gyros.add(columns, volts[:, inside], _part(usable, inside))
+            segment.gyros.add(columns, raw[:, inside], _part(usable, inside))
             if rates is not None:
                 segment.axes.add(columns, rates[:, inside], _part(usable_axes, inside))
 

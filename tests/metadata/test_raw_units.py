@@ -1,12 +1,17 @@
 """Raw units of runs and calibration records: which keys go with which unit, and what does not fit."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from fogreduce.errors import BadInput
-from fogreduce.metadata.calibration import DEFAULT_UNCERTAINTY
+from fogreduce.metadata.calibration import DEFAULT_UNCERTAINTY, CalibrationRecord
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.folder import cross_check, load_calibration, load_run
+from fogreduce.metadata.run import Run
+from fogreduce.metadata.yaml12 import load_yaml
 from fogreduce.physics.raw_quantity import RAW_UNITS, UNITS_IN_USE, unit_in_use
 
 SCALES = "scale_factor_V_per_deg_s: [0.075, 0.09, 0.092, 0.075]\nbias_V: [1e-4, 6e-4, 2e-4, -4e-4]\n"
@@ -129,3 +134,24 @@ def test_a_record_in_a_rate_fits_increments_too(lab):
     record, _ = load_calibration(lab.calibrations, run.calibration)
     with pytest.raises(BadInput, match="expected deg/s or deg, as TETRA-01@2012a is in deg/s"):
         cross_check(run, record)
+
+
+def test_the_page_on_raw_units_says_what_is_so(lab):
+    """Its examples are a run and a record that fit each other; its table names columns as they are."""
+    page = Path(__file__).parents[2] / "docs" / "raw-units.md"
+    text = page.read_text(encoding="utf-8")
+    capture, scales = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    run = {**load_yaml(lab.files["run"]), **_yaml(lab, capture)}
+    record = {key: value for key, value in load_yaml(lab.files["calibration"]).items() if "_V" not in key}
+    record |= {**_yaml(lab, scales), "H": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
+    cross_check(Run.from_data(run, page), CalibrationRecord.from_data(record, page))
+    rows = [line for line in text.splitlines() if line.startswith("| `")]
+    for name in UNITS_IN_USE:
+        (row,) = (line for line in rows if f"`{name}`" in line.split("|")[1])
+        unit = UNITS_IN_USE[name]
+        assert f"`a_{unit.suffix}`, `e_{unit.slope_suffix}` | `{unit.variable}`" in row
+
+
+def _yaml(lab, text):
+    (path := lab.run / "fragment.yaml").write_text(text)
+    return load_yaml(path)
