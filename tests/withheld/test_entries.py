@@ -59,6 +59,11 @@ def test_a_rival_between_the_thresholds_is_a_stray():
     assert (out.exchangeable, out.strays) == ((False,), (True,))
 
 
+def test_a_group_of_everything_accounts_for_nothing():
+    wide = cause("crosstalk", "gyro3", group=[("scale_factor_error", "gyro3"), ("latency", "gyro1")])
+    assert scored(wide).exchangeable == (False,)
+
+
 def test_a_group_that_holds_the_entry_accounts_for_it():
     out = scored(cause("crosstalk", "gyro3", group=[("scale_factor_error", "gyro3")]))
     assert out.exchangeable == (True,)
@@ -168,3 +173,22 @@ def test_explained_needs_a_closure_that_reaches():
     name = ("Closures, all classes", "explained, with a closure interval below 0.97")
     outcomes = [judge(label("single", CLEAR, oracle=0.99), said, T) for said in (low, well)]
     assert rows_of(*outcomes)[name] == (1, 2)
+
+
+@pytest.mark.parametrize("kind", ["stale", "stale_culprit", "strong", "link_slow", "mixed", "slow_log"])
+def test_who_reads_the_label_reaches_every_aim(kind):
+    from dataclasses import replace
+
+    truth = (
+        (CLEAR,) if kind in ("strong", "mixed") else (CLEAR, SECOND, EXCHANGED, {**FAINT, "role": "culprit"})
+    )
+    said = [cause(e["effect"], *e["channels"], **{k: (v, 0.1 * v) for k, v in e["parameters"].items()})
+            for e in truth]  # fmt: skip
+    right = replace(diagnosis("explained", *said, closure=(0.99, 0.01)), closure_reaches=1.0)
+    outcome = judge({**label(kind, *truth, oracle=0.99), "target_snr": 50.0}, right, T)
+    for table in class_tables([outcome], T):
+        for row in table["rows"]:
+            aim = row.get("aim", "")
+            assert row["k"] == (
+                0 if aim.startswith(("at most", "never")) or "no true group" in row["row"] else row["n"]
+            )

@@ -10,7 +10,7 @@ from withheld.clairvoyant.closures import subset_closure
 from withheld.clairvoyant.exchange import left_of, places
 from withheld.effects.catalogue import IN_ONE_RUN
 from withheld.score.diagnosis_file import Cause, Diagnosis
-from withheld.score.matching import matches, parameter_errors, separation_of
+from withheld.score.matching import in_pure_group, matches, parameter_errors, separation_of
 from withheld.study.protocol import Thresholds
 
 # Where errors may be small beside the true size in place of within 2 standard deviations.
@@ -53,27 +53,30 @@ class EntryScores:
         return all(self.must) and all(self.exchangeable)
 
 
-def assigned(causes: tuple[Cause, ...], effects: list[Mapping[str, Any]], below: float) -> dict[int, int]:
+def assigned(
+    causes: tuple[Cause, ...], effects: list[Mapping[str, Any]], thresholds: Thresholds
+) -> dict[int, int]:
     """Which cause stands for which effect, one for one: effect -> cause.
 
-    A cause stands for an effect that it is, that its group holds, or that it cannot be told from (separated
-    by less than `below`).  Of all such assignments the one with most effects right by name, then with most
-    of the clear ones.
+    A cause stands for an effect that it is, that its group holds beside nobody far from it, or that it cannot
+    be told from (separated by less than `group_below`).  Of all such assignments the one with most effects
+    right by name, then with most of the clear ones.
     """
     from scipy.optimize import linear_sum_assignment
 
-    worth = np.array([[_worth(cause, e, below) for cause in causes] for e in effects])
+    worth = np.array([[_worth(cause, e, thresholds) for cause in causes] for e in effects])
     if not worth.size:
         return {}
     rows, columns = linear_sum_assignment(worth, maximize=True)
     return {int(e): int(c) for e, c in zip(rows, columns, strict=True) if worth[e, c] > 0.0}
 
 
-def _worth(cause: Cause, effect: Mapping[str, Any], below: float) -> float:
+def _worth(cause: Cause, effect: Mapping[str, Any], thresholds: Thresholds) -> float:
     """Of one effect by one cause: 1,000 by name; else 1 to 2, more for a clearer effect; 0 for a stray."""
     if matches(cause.key, effect):
         return 1000.0
-    if any(matches(member, effect) for member in cause.group) or _belongs(cause, effect, below):
+    below, never = thresholds.group_below, thresholds.group_never
+    if in_pure_group(cause, effect, never) or _belongs(cause, effect, below):
         return 2.0 - 1.0 / (1.0 + float(effect["snr"]))
     return 0.0
 
@@ -159,7 +162,7 @@ def score_entries(
     exchangeable = [e for e in clear if e not in must]
     culprits = [e for e in numbers if effects[e].get("role") == "culprit"]
     causes = diagnosis.causes if diagnosis else ()
-    stands = assigned(causes, effects, below)
+    stands = assigned(causes, effects, thresholds)
     named = {e for e in numbers if any(matches(cause.key, effects[e]) for cause in causes)}
     all_named = all(any(matches(cause.key, e) for e in effects) for cause in causes)
     # a cause in the place of an entry moves the others that it stands beside

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from withheld.score.diagnosis_file import Cause, Diagnosis
+from withheld.score.diagnosis_file import Diagnosis
 from withheld.score.entries import EntryScores, score_entries
 from withheld.score.kin import kin_named
-from withheld.score.matching import matches, parameter_errors, separation_of
+from withheld.score.matching import in_pure_group, matches, parameter_errors, separation_of
 from withheld.study.protocol import Thresholds
 
 OUTSIDE = ("without", "stranger", "near")
@@ -78,18 +78,12 @@ class Outcome:
     kin: bool | None = None
 
 
-def _group_right(cause: Cause, effect: Mapping[str, Any], never: float) -> bool:
-    """The truth is in the cause's group, and nobody who is far from it."""
-    far = [m for m in cause.group if separation_of(m, effect, never) >= never]
-    return any(matches(m, effect) for m in cause.group) and not far
-
-
 def _matched(diagnosis: Diagnosis, effects: list[Mapping[str, Any]], never: float) -> tuple[int, int]:
     """How many effects stand among the leading causes by name, and by pure group."""
     leading = diagnosis.causes[: len(effects)]
     by_name = sum(any(matches(cause.key, effect) for cause in leading) for effect in effects)
     by_group = sum(
-        any(matches(cause.key, effect) or _group_right(cause, effect, never) for cause in leading)
+        any(matches(cause.key, effect) or in_pure_group(cause, effect, never) for cause in leading)
         for effect in effects
     )
     return by_name, by_group

@@ -41,6 +41,12 @@ def separation_of(member: Key, effect: Mapping[str, Any], kept_below: float) -> 
     return kept_below
 
 
+def in_pure_group(cause: Cause, effect: Mapping[str, Any], never: float) -> bool:
+    """The truth is in the cause's group, and nobody who is far from it."""
+    far = [m for m in cause.group if separation_of(m, effect, never) >= never]
+    return any(matches(m, effect) for m in cause.group) and not far
+
+
 def parameter_errors(cause: Cause, effect: Mapping[str, Any]) -> Iterator[tuple[float, float]]:
     """Of every number of a cause that is right by name: its error over its standard deviation, and its error
     over the true size (a vector's for its components, a turn for a phase).
