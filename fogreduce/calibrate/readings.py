@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.flags import UNUSABLE_RECORD
-from fogreduce.datasets.logs import read_temperature
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.run_logs import temperatures_of
 from fogreduce.errors import BadInput, Fault
 from fogreduce.estimate.bins import Bins, bins_of
 from fogreduce.estimate.uncertainty import StatedErrors, axis_rates, motion_departures
@@ -119,7 +119,7 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
     """One run in bins."""
     facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
     path = folder / run.capture.file
-    reader = open_capture(path, run.capture.format, facts.sample_rate_hz)
+    reader = open_capture(path, run.capture.model_dump(mode="json"), facts.start_us)
     if wrong := contradictions(reader.facts, facts, path):
         raise BadInput(*wrong)
     parameters = ReductionConfig()
@@ -146,7 +146,7 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
     if not inside.any():
         expected = "at least one bin of usable records inside a segment of the profile"
         raise BadInput.at(path, "", found="no usable data", expected=expected)
-    log = read_temperature(folder / run.temperature) if run.temperature else None
+    log = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
     time_s = bins.time_s[inside]
     return Readings(
         run=run,

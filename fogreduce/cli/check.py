@@ -142,7 +142,7 @@ def _check_capture(path: Path, run: Run, record: CalibrationRecord) -> None:
     from fogreduce.datasets.readers.contradictions import contradictions
     from fogreduce.metadata.facts import RunFacts
 
-    capture = open_capture(path, run.capture.format, run.capture.sample_rate_hz)
+    capture = open_capture(path, run.capture.model_dump(mode="json"), run.start_us)
     facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
     if wrong := contradictions(capture.facts, facts, path):
         raise BadInput(*wrong)
@@ -153,12 +153,11 @@ def _check_capture(path: Path, run: Run, record: CalibrationRecord) -> None:
 
 def _check_logs(path: Path, run: Run, faults: list[Fault]) -> None:
     """The logs beside the capture, line by line."""
-    from fogreduce.datasets.logs import read_table_log, read_temperature
+    from fogreduce.datasets.run_logs import table_log_of, temperatures_of
 
-    if run.temperature:
-        _collect(faults, read_temperature, path / run.temperature)
-    if run.table_log:
-        _collect(faults, read_table_log, path / run.table_log)
+    plain = run.model_dump(mode="json")
+    _collect(faults, temperatures_of, path, plain, run.start_us)
+    _collect(faults, table_log_of, path, plain, run.start_us)
 
 
 def _with_progress(runs: list[Path]) -> Iterable[Path]:

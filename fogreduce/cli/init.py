@@ -103,7 +103,7 @@ def _known_of_csv(capture: Path) -> Known:
 
     gyros, _ = csv1.read_columns(capture)
     try:
-        blocks = csv1.CsvReader(capture, 1.0).blocks(_RECORDS)
+        blocks = csv1.CsvReader(capture, {"sample_rate_hz": 1.0}, 0).blocks(_RECORDS)
         time_s = np.concatenate([block.time_us for block in blocks]) / MICROSECONDS_PER_SECOND
     except BadInput:
         return Known(csv1.FORMAT, gyros)  # `fogreduce check` names the line

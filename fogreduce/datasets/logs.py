@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.datasets.atomic import write_text
 from fogreduce.datasets.readers.text import number_in
 from fogreduce.errors import BadInput
 
@@ -78,6 +79,13 @@ def read_temperature(path: Path) -> TemperatureLog:
 def read_table_log(path: Path) -> TableLog:
     """Read and check ``table.csv``; BadInput with the line at fault. Angles are continuous (not wrapped)."""
     return TableLog(**_read(path, TABLE_COLUMNS)[0])
+
+
+def write_log(path: Path, log: TemperatureLog | TableLog) -> None:
+    """Write a log as a file of its own, every digit kept."""
+    columns = {name: values.tolist() for name, values in vars(log).items() if values is not None}
+    rows = zip(*columns.values(), strict=True)
+    write_text(path, ",".join(columns) + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows))
 
 
 def _read(path: Path, layouts: tuple[tuple[str, ...], ...]) -> tuple[dict[str, Array], list[int]]:

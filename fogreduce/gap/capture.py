@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import MISSING_COUNT
 from fogreduce.datasets.flags import GyroFlag, RecordFlag
-from fogreduce.datasets.logs import read_temperature
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.run_logs import temperatures_of
 from fogreduce.effects.selection import Action
 from fogreduce.errors import BadInput, Fault
 from fogreduce.gap.blocks import Blocks
@@ -94,7 +94,7 @@ def read_inputs(
             record, _ = load_calibration(calibrations, run.calibration)
             cross_check(run, record, folder / "run.yaml")
             facts = facts_of(run, record)
-            log = read_temperature(folder / run.temperature) if run.temperature else None
+            log = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
             inputs.append(RunInput(run, record, facts, Scene(facts, log, Blocks.of(facts)), folder))
         except BadInput as error:
             faults += error.faults
@@ -122,7 +122,7 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
     """
     facts, run = one.facts, one.run
     path = one.folder / run.capture.file
-    reader = open_capture(path, run.capture.format, facts.sample_rate_hz)
+    reader = open_capture(path, run.capture.model_dump(mode="json"), facts.start_us)
     wrong = contradictions(reader.facts, facts, path)
     if wrong:
         raise BadInput(*wrong)

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    Strict,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
 
 from fogreduce.metadata.base import CALIBRATION_PATTERN, FileName, Model, Name, NotNegative, Sign, Triple
+from fogreduce.metadata.capture import CaptureInfo
 from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.instant import Instant
-from fogreduce.physics.raw_quantity import RawUnitName
 from fogreduce.units import microseconds_since_1970
 
 #: Longest profile [s], some thirty years: beyond it a sum of seconds is no longer exact to the microsecond.
@@ -116,43 +108,6 @@ class Table(Model):
     rate_uncertainty_ppm: NotNegative = Field(
         default=5.0, description="standard deviation of the table's rate [ppm]"
     )
-
-
-class CaptureInfo(Model):
-    """The raw capture: its file and how its numbers are to be read."""
-
-    file: FileName = Field(description="capture's file, in the run's own folder")
-    format: str = Field(pattern=r"^[a-z0-9][a-z0-9.-]{0,31}$", description="fogcap-1 or csv-1")
-    sample_rate_hz: float = Field(ge=0.01, le=10_000, description="sample rate [Hz]")
-    raw_unit: RawUnitName = Field(
-        default="V", description="unit of the raw readings; deg and rad are angle increments over a sample"
-    )
-    volts_per_count: float | None = Field(
-        default=None, gt=0, le=1e6, description="volts a count stands for [V]; for raw_unit V alone"
-    )
-    least_count: float | None = Field(
-        default=None,
-        gt=0,
-        le=1e6,
-        description="least step of a raw reading [raw_unit], 1 by default for counts; not for raw_unit V",
-    )
-    polarity: Annotated[tuple[Sign, ...], Strict(False)] = Field(
-        min_length=1, description="per gyro, the sign that turns raw readings into calibrated ones"
-    )
-
-    @model_validator(mode="after")
-    def _has_one_least_step(self) -> Self:
-        """volts_per_count for volts, least_count for every other unit."""
-        needed, refused = "least_count", "volts_per_count"
-        what = f"least step of a raw reading [{self.raw_unit}]"
-        if self.raw_unit == "V":
-            needed, refused, what = refused, needed, "volts a count stands for [V]"
-        if (given := getattr(self, refused)) is not None:
-            expected = f"{needed} in its place, for raw_unit {self.raw_unit}"
-            raise unexpected(expected, found=f"{given:g}", key=refused)
-        if getattr(self, needed) is None and self.raw_unit != "count":
-            raise unexpected(what, found="nothing", key=needed)
-        return self
 
 
 def _calibration_may_come_from_campaign(schema: dict[str, Any]) -> None:

@@ -7,10 +7,18 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from fogreduce.datasets.atomic import write_text
+from fogreduce.datasets.logs import write_log
+from fogreduce.datasets.run_logs import table_log_of, temperatures_of
 from fogreduce.errors import BadInput
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
-from fogreduce.simulate.capture import Blocks, simulated, write_capture
+from fogreduce.simulate.capture import (
+    TABLE_FILE,
+    TEMPERATURE_FILE,
+    Blocks,
+    simulated,
+    write_capture,
+)
 from fogreduce.simulate.forward import SimulatedBlock
 from fogreduce.simulate.from_curves import blocks_from_curves
 from fogreduce.simulate.own import Marks, alone_in, listed_of_others, mark_of, own_captures
@@ -110,12 +118,23 @@ def _copy_metadata(plan: Plan, run: Run, here: Path) -> None:
     """run.yaml and logs, as they stand; run.yaml anew where the capture is simulated in another format."""
     here.mkdir(parents=True)
     source = plan.folder / "runs" / run.run_id
-    for name in ("run.yaml", run.temperature, run.table_log):
+    own = plan.runs[run.run_id]
+    for name in ("run.yaml", own.temperature, own.table_log):
         if name is not None:
             shutil.copyfile(source / name, here / name)
-    if run != plan.runs[run.run_id]:
-        capture = run.capture.model_dump(mode="json", exclude_none=True)
-        write_text(here / "run.yaml", dump_yaml({**load_yaml(source / "run.yaml"), "capture": capture}))
+    if run == own:
+        return
+    changed: dict[str, object] = {"capture": run.capture.model_dump(mode="json", exclude_none=True)}
+    plain, start_us = own.model_dump(mode="json"), own.start_us
+    if (source / own.capture.file).is_file():
+        temperatures, angles = (read(source, plain, start_us) for read in (temperatures_of, table_log_of))
+        if own.temperature is None and temperatures is not None:
+            write_log(here / TEMPERATURE_FILE, temperatures)
+            changed["temperature"] = TEMPERATURE_FILE
+        if own.table_log is None and angles is not None:
+            write_log(here / TABLE_FILE, angles)
+            changed["table_log"] = TABLE_FILE
+    write_text(here / "run.yaml", dump_yaml({**load_yaml(source / "run.yaml"), **changed}))
 
 
 def _injected(plan: Plan, captures: Marks) -> str:

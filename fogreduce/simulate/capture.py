@@ -14,9 +14,13 @@ from fogreduce.physics.quantization import raw_from_counts
 from fogreduce.simulate.forward import SimulatedBlock
 
 if TYPE_CHECKING:
+    from fogreduce.metadata.capture import CaptureInfo
     from fogreduce.metadata.run import Run
 
 Blocks = Iterable[SimulatedBlock]
+
+#: Names of logs that were columns of a capture.
+TEMPERATURE_FILE, TABLE_FILE = "temperature.csv", "table.csv"
 
 
 def write_fogcap(path: Path, facts: RunFacts, blocks: Blocks) -> None:
@@ -49,14 +53,25 @@ _ANY_FORMAT = ("sample_rate_hz", "raw_unit", "volts_per_count", "least_count", "
 def simulated(run: Run) -> Run:
     """A run as it is simulated: with a fogcap-1 capture where no writer is there for its own format.
 
-    What only a reader of the own format needs (columns, times, text) is then left out of run.yaml.
+    What only a reader of the own format needs (columns, times, text) is then left out of run.yaml, and logs
+    that are columns of the capture are named as files.
     """
     own = run.capture
     if own.format in WRITERS:
-        return run
+        return _with_capture(run, own.model_copy(update={"time_zero": None})) if own.time_zero else run
     kept = {key: getattr(own, key) for key in _ANY_FORMAT}
-    capture = type(own)(file="capture.fogcap", format=fogcap.FORMAT, **kept)
-    return run.model_copy(update={"capture": capture})
+    return _with_capture(run, type(own)(file="capture.fogcap", format=fogcap.FORMAT, **kept))
+
+
+def _with_capture(run: Run, capture: CaptureInfo) -> Run:
+    """A run with another capture; logs that were columns of its own are files."""
+    given = run.capture.columns.model_dump(exclude_none=True) if run.capture.columns else {}
+    changed: dict[str, object] = {"capture": capture}
+    if run.temperature is None and {"sensor_temperature", "electronics_temperature"} & set(given):
+        changed["temperature"] = TEMPERATURE_FILE
+    if run.table_log is None and "table_angle" in given:
+        changed["table_log"] = TABLE_FILE
+    return run.model_copy(update=changed)
 
 
 def write_capture(path: Path, format_name: str, facts: RunFacts, blocks: Blocks) -> None:

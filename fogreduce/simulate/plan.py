@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fogreduce.datasets.logs import read_temperature
+from fogreduce.datasets.run_logs import temperatures_of
 from fogreduce.effects.selection import Action, select
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.calibration import CalibrationRecord
@@ -100,8 +100,10 @@ class Plan:
         if self.noise:
             noise = NoiseCoefficients.of(self.records[run.calibration].stated_noise.model_dump())
         temperature = None
-        if run.temperature is not None and any(a.effect.needs_temperature for a in self.actions):
-            temperature = read_temperature(self.folder / "runs" / run_id / run.temperature)
+        if any(a.effect.needs_temperature for a in self.actions):
+            folder = self.folder / "runs" / run_id
+            if run.temperature is not None or (folder / run.capture.file).is_file():
+                temperature = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
         return ForwardRun(facts, noise, self.actions, temperature, self.seed)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fogreduce.datasets.logs import read_table_log
+from fogreduce.datasets.run_logs import table_log_of
 from fogreduce.estimate.encoder import compare_with_command
 from fogreduce.stages.setup import Setup
 from fogreduce.stages.tables import write_table
@@ -17,10 +17,9 @@ COLUMNS = (
 
 def write_encoder_table(setup: Setup, run_dir: Path) -> None:
     """Lag, rate and ripple of each segment; header only where the run has no encoder log."""
-    name = setup.manifest["run"].get("table_log")
+    log = table_log_of(run_dir, setup.manifest["run"], setup.facts.start_us)
     segments = []
-    if name is not None:
-        log = read_table_log(run_dir / name)
+    if log is not None:
         guard = setup.parameters["edge_guard_s"]
         segments = compare_with_command(log.time_s, log.angle_deg, setup.facts.profile, guard)
     write_table(

@@ -14,9 +14,9 @@ from typing import Any
 from numpy.typing import NDArray
 
 from fogreduce.datasets.block import Block
-from fogreduce.datasets.logs import read_table_log, read_temperature
 from fogreduce.datasets.readers import Reader, open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.run_logs import table_log_of, temperatures_of
 from fogreduce.datasets.store import DatasetWriter
 from fogreduce.datasets.worker import Worker
 from fogreduce.errors import BadInput, Fault
@@ -170,7 +170,7 @@ def _open_capture(setup: Setup, run_dir: Path) -> Reader:
     """The capture, held against run.yaml and the manifest."""
     run = setup.manifest["run"]
     path = run_dir / run["capture"]["file"]
-    reader = open_capture(path, run["capture"]["format"], setup.facts.sample_rate_hz)
+    reader = open_capture(path, run["capture"], setup.facts.start_us)
     faults = contradictions(reader.facts, setup.facts, path)
     stated = next(item["bytes"] for item in setup.manifest["inputs"] if item["name"] == path.name)
     if (size := path.stat().st_size) != stated:
@@ -191,13 +191,12 @@ def _ingest_writer(setup: Setup, run_dir: Path, reader: Reader) -> Iterator[Data
 
 
 def _read_logs(setup: Setup, run_dir: Path) -> Logs:
-    """The logs beside the capture, checked line by line."""
-    run = setup.manifest["run"]
+    """The logs of the run, checked line by line."""
+    run, start_us = setup.manifest["run"], setup.facts.start_us
     logs: dict[str, NDArray[Any]] = {}
     faults: list[Fault] = []
     try:
-        if run.get("temperature") is not None:
-            temperature = read_temperature(run_dir / run["temperature"])
+        if (temperature := temperatures_of(run_dir, run, start_us)) is not None:
             logs["temperature_time"] = microseconds(temperature.time_s)
             if temperature.electronics_degC is not None:
                 logs["electronics_temperature"] = temperature.electronics_degC
@@ -205,8 +204,7 @@ def _read_logs(setup: Setup, run_dir: Path) -> Logs:
     except BadInput as error:
         faults += error.faults
     try:
-        if run.get("table_log") is not None:
-            table = read_table_log(run_dir / run["table_log"])
+        if (table := table_log_of(run_dir, run, start_us)) is not None:
             logs["table_time"] = microseconds(table.time_s)
             logs["table_angle"] = table.angle_deg
     except BadInput as error:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 import fogreduce
 from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest
 from fogreduce.constants import MANIFEST_SCHEMA, MICROSECONDS_PER_SECOND
-from fogreduce.datasets.logs import TableLog, read_table_log
+from fogreduce.datasets.logs import TableLog
+from fogreduce.datasets.run_logs import table_log_of
 from fogreduce.datasets.store import Storage
 from fogreduce.errors import BadInput
 from fogreduce.estimate.uncertainty import StatedErrors
@@ -144,7 +145,6 @@ class TableAngle:
         self._profile = setup.facts.profile
         self._log: TableLog | None = None
         if setup.parameters["alpha_source"] == "encoder":
-            name = setup.manifest["run"].get("table_log")
             if run_dir is None:
                 raise BadInput.at(
                     "--run",
@@ -152,14 +152,14 @@ class TableAngle:
                     found="nothing",
                     expected="the run's folder, since reduction.alpha_source is encoder",
                 )
-            if name is None:
+            self._log = table_log_of(run_dir, setup.manifest["run"], setup.facts.start_us)
+            if self._log is None:
                 raise BadInput.at(
                     run_dir / "run.yaml",
                     "table_log",
                     found="no encoder log",
                     expected="one, since reduction.alpha_source is encoder",
                 )
-            self._log = read_table_log(run_dir / name)
 
     def at(self, time_s: Array) -> Array:
         """Alpha [rad] at times [s], positive for a right-handed turn about the table's axis."""

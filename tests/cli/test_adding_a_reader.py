@@ -64,7 +64,7 @@ def test_same_tables_as_csv(labx, small_lab):
 
 @pytest.mark.parametrize("size", [7, 960, 5000])
 def test_blocks_do_not_depend_on_their_size(labx, small_lab, size):
-    reader = open_capture(write(small_lab, body()), "labx-1", 16.0)
+    reader = open_capture(write(small_lab, body()), {"format": "labx-1", "sample_rate_hz": 16.0}, 0)
     blocks = list(reader.blocks(size))
     whole = next(iter(reader.blocks(RECORDS)))
     assert [block.start for block in blocks] == list(range(0, RECORDS, size))
@@ -97,5 +97,8 @@ def test_a_format_that_is_not_in_the_table(small_lab, capsys):
     """Without its line the example is unknown, and the message lists what is known."""
     write(small_lab, body())
     assert main(small_lab.reduce()) == 2
-    expected = "capture.format: found labx-1; expected one of fogcap-1, csv-1\n"
-    assert capsys.readouterr().err == f"{small_lab.yaml}: {expected}"
+    said = capsys.readouterr().err
+    assert said.startswith(
+        f"{small_lab.yaml}: capture.format: found labx-1; expected one of fogcap-1, csv-1, "
+    )
+    assert len(said.splitlines()) == 1

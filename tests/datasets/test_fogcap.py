@@ -133,7 +133,7 @@ def test_each_fault_of_a_header_has_its_byte(tmp_path, changes: dict, where: str
     path = tmp_path / "capture.fogcap"
     path.write_bytes(header_bytes(**changes) + record_bytes(*RECORDS[0]))
     with pytest.raises(BadInput) as error:
-        open_capture(path, "fogcap-1", 128.0)
+        open_capture(path, {"format": "fogcap-1", "sample_rate_hz": 128.0}, 0)
     (fault,) = error.value.faults
     assert (fault.file, fault.where) == (str(path), where)
     assert expected in fault.expected
@@ -160,7 +160,7 @@ def test_files_that_end_too_early(tmp_path, content: bytes, where: str, found: s
     path = tmp_path / "capture.fogcap"
     path.write_bytes(content)
     with pytest.raises(BadInput) as error:
-        open_capture(path, "fogcap-1", 128.0)
+        open_capture(path, {"format": "fogcap-1", "sample_rate_hz": 128.0}, 0)
     assert (error.value.faults[0].where, error.value.faults[0].found) == (where, found)
 
 
@@ -180,7 +180,7 @@ def test_no_such_file_a_folder_and_an_unknown_format(tmp_path) -> None:
         (tmp_path / "none", "fogcap-9", "one of fogcap-1, csv-1"),
     ):
         with pytest.raises(BadInput, match=part):
-            open_capture(path, name, 128.0)
+            open_capture(path, {"format": name, "sample_rate_hz": 128.0}, 0)
 
 
 def test_an_aborted_capture_does_not_appear(tmp_path) -> None:

@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,8 +132,8 @@ class FogcapReader:
         Bytes of a last record that was cut off (0: none).
     """
 
-    def __init__(self, path: Path, sample_rate_hz: float | None = None) -> None:
-        # The sample rate is for formats that do not number their records; this one does.
+    def __init__(self, path: Path, capture: Mapping[str, Any] | None = None, start_us: int = 0) -> None:
+        # The header says itself what run.yaml says.
         self.path = path
         header = read_header(path)
         self.facts = CaptureFacts(
