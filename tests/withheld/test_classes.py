@@ -85,10 +85,16 @@ def first(kind, seed=3, campaigns=1, **has):
 
 
 def test_a_poor_link_and_a_slow_fault():
-    _, plan, drawn = first("link_slow", campaigns=55, effects=("spikes", "bias_ramp"))
-    assert plan.effects == ("dropouts", "spikes", "bias_ramp") or plan.effects == ("spikes", "bias_ramp")
-    assert drawn.roles[-1] == "slow"
+    _, plan, drawn = first("link_slow", campaigns=154, effects=("dropouts", "spikes", "bias_ramp"))
+    assert plan.effects == ("dropouts", "spikes", "bias_ramp")
+    assert drawn.roles == ("link", "link", "slow")
     assert all(1e-5 <= e.number("fraction") <= 2e-2 for e in drawn.world.entries[:-1])
+
+
+def test_lines_and_a_slow_fault():
+    _, plan, drawn = first("link_slow", campaigns=154, effects=("base_motion", "bias_offset"))
+    assert drawn.roles == ("full rate", "slow")
+    assert [e.effect for e in drawn.world.entries] == list(plan.effects)
 
 
 def test_mixed_runs_have_rates_and_lengths_of_their_own():

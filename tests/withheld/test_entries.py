@@ -54,6 +54,19 @@ def test_numbers_beside_a_cause_in_an_entry_s_place_count_only_where_an_entry_mu
     assert scored(good, off, cause("table_rate_error", "table")).within == (True,)
 
 
+def test_one_line_named_is_not_two():
+    lines = [effect("periodic_interference", "gyro1", frequency_hz=f, deg_h=1.0) for f in (12.0, 30.0)]
+    one = cause("periodic_interference", "gyro1", frequency_hz=(30.0, 0.001))
+    out = scored(one, truth=tuple(lines))
+    assert out.must == (False, True)
+    assert out.within == (True,)
+    two = cause("periodic_interference", "gyro1", frequency_hz=(12.001, 0.001))
+    out = scored(one, two, truth=tuple(lines))
+    assert (out.must, out.within) == ((True, True), (True, True))
+    # one line twice is as many causes as entries, and one of them wrong by name only in its number
+    assert scored(one, one, truth=tuple(lines)).within == (False, True)
+
+
 def test_a_rival_between_the_thresholds_is_a_stray():
     out = scored(cause("crosstalk", "gyro3"))
     assert (out.exchangeable, out.strays) == ((False,), (True,))

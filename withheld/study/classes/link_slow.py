@@ -1,7 +1,8 @@
-"""Link and slow faults together: a link that loses or spoils readings, on a unit that drifts.
+"""Link and slow faults together: a link that loses or spoils readings, lines, filters, on a unit that drifts.
 
-What the link does is drawn as links do it, from one reading in a hundred thousand to one in fifty; the slow
-fault meets a target of its own.  Often both sit on one gyro.
+What the link does is drawn as links do it, from one reading in a hundred thousand to one in fifty; a fault
+that the spectrum, the levels or the stamps show, and the slow one, meet targets of their own.  Often all sit
+on one gyro.
 """
 
 from dataclasses import replace
@@ -25,6 +26,13 @@ SLOW = (
 )  # fmt: skip
 # Shares of readings that a poor link loses or spoils, even in the logarithm.
 LINK_SHARES = (1e-5, 2e-2)
+# Full-rate faults of another kind than the link's, alone, two of them, or with the link's.
+_FAST = (
+    ("periodic_interference",), ("periodic_interference", "periodic_interference"), ("low_pass",),
+    ("angle_random_walk",), ("clock_error", "spikes"), ("lost_bits", "dropouts"), ("base_motion",),
+    ("adc_nonlinearity",), ("common_noise", "stuck_samples"),
+)  # fmt: skip
+FAST_SNR = (10.0, 100.0)
 SLOW_SNR = (10.0, 40.0)
 _SAME_GYRO = 0.5
 
@@ -48,16 +56,24 @@ def link_faults(
 def _draw(protocol: Protocol, plan: Plan, rng: np.random.Generator) -> Drawn:
     design, campaign = any_campaign(plan.name, rng, protocol.temperature_share)
     gyro = int(rng.integers(campaign.unit.n))
-    slow = draw_entry(plan.effects[-1], campaign, rng, protocol.wobble_most, gyro)
-    world = realistic_world(campaign, (slow,), int(rng.integers(1 << 62)), protocol.noise_level_rel)
-    world, seen = scaled(world, [even_in_logarithm(*SLOW_SNR, rng)], protocol)
     place = gyro if rng.random() < _SAME_GYRO else None
-    faults = link_faults(campaign, plan.effects[:-1], place, rng, protocol.wobble_most)
-    roles = ("link",) * len(faults) + ("slow",)
+    others, links = list(plan.effects), [effect for effect in plan.effects if effect in LINK]
+    for effect in links:
+        others.remove(effect)
+    # the last is the slow one, on the gyro
+    drawn = [draw_entry(effect, campaign, rng, protocol.wobble_most, place) for effect in others[:-1]]
+    drawn.append(draw_entry(others[-1], campaign, rng, protocol.wobble_most, gyro))
+    targets = [even_in_logarithm(*FAST_SNR, rng) for _ in drawn[:-1]] + [even_in_logarithm(*SLOW_SNR, rng)]
+    world = realistic_world(campaign, tuple(drawn), int(rng.integers(1 << 62)), protocol.noise_level_rel)
+    world, seen = scaled(world, targets, protocol)
+    faults = link_faults(campaign, tuple(links), place, rng, protocol.wobble_most)
+    roles = ("link",) * len(faults) + ("full rate",) * (len(drawn) - 1) + ("slow",)
     return Drawn(design, replace(world, entries=(*faults, *world.entries)), roles, seen)
 
 
 _LINKS = (*((fault,) for fault in LINK), ("dropouts", "spikes"), ("dropouts", "stuck_samples"))
 LINK_SLOW = CampaignClass(
-    "Link and slow faults together", _draw, tuple(((*link, slow), 0.0) for slow in SLOW for link in _LINKS)
+    "Link and slow faults together",
+    _draw,
+    tuple(((*fast, slow), 0.0) for slow in SLOW for fast in (*_LINKS, *_FAST)),
 )
