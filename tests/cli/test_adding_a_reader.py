@@ -3,11 +3,12 @@
 import csv
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from small_lab import RECORDS, VOLTS_PER_COUNT, csv_lines, records
+from small_lab import RECORDS, START_US, VOLTS_PER_COUNT, csv_lines, records
 
 from fogreduce.cli.main import main
 from fogreduce.datasets.readers import READERS, open_capture
@@ -17,15 +18,23 @@ PAGE = Path(__file__).parents[2] / "docs" / "adding-a-reader.md"
 
 @pytest.fixture
 def labx(tmp_path, monkeypatch):
-    """The page's example as a module on the path, and its line in the table."""
-    source = next(
-        code for code in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S) if "class" in code
+    """The page's example as an installer leaves it: the module, and what its pyproject.toml says of it."""
+    page = PAGE.read_text()
+    source = next(code for code in re.findall(r"```python\n(.*?)```", page, re.S) if "class" in code)
+    project = tomllib.loads(re.search(r"```toml\n(.*?)```", page, re.S)[1])["project"]
+    site = tmp_path / "site"
+    about = site / "labx_reader-1.0.dist-info"
+    about.mkdir(parents=True)
+    (site / "labx.py").write_text(source)
+    (about / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
     )
-    (tmp_path / "labx_of_the_page.py").write_text(source)
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setitem(READERS, "labx-1", ("labx_of_the_page", "LabxReader"))
+    points = project["entry-points"]["fogreduce.readers"]
+    lines = [f"{name} = {place}" for name, place in points.items()]
+    (about / "entry_points.txt").write_text("\n".join(["[fogreduce.readers]", *lines, ""]))
+    monkeypatch.syspath_prepend(str(site))
     yield
-    sys.modules.pop("labx_of_the_page", None)
+    sys.modules.pop("labx", None)
 
 
 def body(count: int = RECORDS) -> bytes:
@@ -64,7 +73,7 @@ def test_same_tables_as_csv(labx, small_lab):
 
 @pytest.mark.parametrize("size", [7, 960, 5000])
 def test_blocks_do_not_depend_on_their_size(labx, small_lab, size):
-    reader = open_capture(write(small_lab, body()), {"format": "labx-1", "sample_rate_hz": 16.0}, 0)
+    reader = open_capture(write(small_lab, body()), {"format": "labx-1", "sample_rate_hz": 16.0}, START_US)
     blocks = list(reader.blocks(size))
     whole = next(iter(reader.blocks(RECORDS)))
     assert [block.start for block in blocks] == list(range(0, RECORDS, size))
@@ -93,12 +102,9 @@ def test_its_faults_are_said_like_any_other(labx, small_lab, capsys):
     )
 
 
-def test_a_format_that_is_not_in_the_table(small_lab, capsys):
-    """Without its line the example is unknown, and the message lists what is known."""
+def test_a_format_that_is_not_installed(small_lab, capsys):
+    """Without its package the example is unknown, and the message lists what is known."""
     write(small_lab, body())
     assert main(small_lab.reduce()) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(
-        f"{small_lab.yaml}: capture.format: found labx-1; expected one of fogcap-1, csv-1, "
-    )
-    assert len(said.splitlines()) == 1
+    expected = "capture.format: found labx-1; expected one of " + ", ".join(READERS)
+    assert capsys.readouterr().err == f"{small_lab.yaml}: {expected}\n"
