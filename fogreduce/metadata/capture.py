@@ -94,6 +94,9 @@ class Text(Model):
     )
     header: bool = Field(default=True, description="whether a line of column names stands before the records")
     skip_lines: int = Field(default=0, ge=0, le=100_000, description="lines before that, of whatever kind")
+    skip_below_header: int = Field(
+        default=0, ge=0, le=1000, description="lines between header and records, such as one of units"
+    )
     missing: Annotated[tuple[str, ...], Strict(False)] = Field(
         default=("NaN", "nan", "NA", "null"), description="words for no answer, beside an empty field"
     )

@@ -1,7 +1,8 @@
 """Named arrays of equal length as columns: what HDF5, MATLAB and numpy files hold.
 
 A vector is a column of its own name; a matrix of N rows (or N columns, where it is wider than high) is a
-column for each of its columns, ``name[1]``, ``name[2]``, ...; a table of named fields, ``name.field``.
+column for each of its columns, ``name[1]``, ``name[2]``, ...; a table of named fields, ``name.field``, of which
+one that holds several numbers is ``name.field[1]``, ``name.field[2]``, ...
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def columns_of(name: str, array: Any) -> list[ArrayColumn]:
     shape = tuple(array.shape)
     fields = array.dtype.names
     if fields is not None and len(shape) == 1:
-        return [ArrayColumn(f"{name}.{field}", shape[0], _field(array, field)) for field in fields]
+        return [column for field in fields for column in _columns_of_field(name, array, field)]
     if array.dtype.kind not in _KINDS or len(shape) not in (1, 2) or 0 in shape:
         return []
     if len(shape) == 1:
@@ -54,8 +55,18 @@ def _part(array: Any, k: int, upright: bool) -> Callable[[int, int], NDArray[Any
     return lambda start, stop: np.asarray(array[k, start:stop])
 
 
-def _field(array: Any, field: str) -> Callable[[int, int], NDArray[Any]]:
-    return lambda start, stop: np.asarray(array[start:stop][field])
+def _columns_of_field(name: str, table: Any, field: str) -> list[ArrayColumn]:
+    """The columns of a table's field: one, or one for each number that it holds."""
+    kind, records = table.dtype[field], table.shape[0]
+
+    def part(*rest: int) -> Callable[[int, int], NDArray[Any]]:
+        return lambda start, stop: np.asarray(table[start:stop][field][(slice(None), *rest)])
+
+    if kind.base.kind not in _KINDS or len(kind.shape) > 1:
+        return []
+    if not kind.shape:
+        return [ArrayColumn(f"{name}.{field}", records, part())]
+    return [ArrayColumn(f"{name}.{field}[{k + 1}]", records, part(k)) for k in range(kind.shape[0])]
 
 
 def of_one_length(

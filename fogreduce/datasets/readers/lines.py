@@ -50,6 +50,7 @@ def count_lines(file: IO[bytes], text: Text, path: Path) -> Lines:
     comment = ord(text.comment) if text.comment else -1
     number = 0  # of the line before
     header = first = delimiters = counted = 0
+    below = text.skip_below_header
     tail = b""
     kinds: list[np.ndarray] = []  # per chunk: True for a record, False for a comment or blank line
     while True:
@@ -64,8 +65,9 @@ def count_lines(file: IO[bytes], text: Text, path: Path) -> Lines:
                 at = np.flatnonzero(is_record)
                 if text.header and header == 0 and at.size:
                     header = number + int(at[0]) + 1
-                    is_record[at[0]] = False
                     at = at[1:]
+                if header or not text.header:
+                    below, at = max(below - at.size, 0), at[below:]
                 if at.size:
                     first = number + int(at[0]) + 1
                     delimiters = _delimiters(whole[starts[at[0]] : ends[at[0]]], text)

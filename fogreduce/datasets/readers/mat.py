@@ -6,14 +6,14 @@ the variables that the columns name are loaded whole, as their compression allow
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import h5py
 import numpy as np
 
-from fogreduce.datasets.readers.arrays import ArrayColumn, columns_of, of_one_length
-from fogreduce.datasets.readers.columns import ColumnsReader
+from fogreduce.datasets.readers.arrays import ArrayColumn, chunks_of, columns_of, of_one_length
+from fogreduce.datasets.readers.columns import Chunk, ColumnsReader
 from fogreduce.datasets.readers.hdf5 import list_columns
 from fogreduce.errors import BadInput
 
@@ -30,6 +30,13 @@ class MatReader(ColumnsReader):
         self._columns = of_one_length(columns, self.capture, self.path)
         self.n_records = self._columns[0].records if self._columns else 0
         return [column.name for column in self._columns]
+
+    def _chunks(self, columns: Sequence[int], size: int) -> Iterator[Chunk]:
+        try:
+            yield from chunks_of(self._columns, columns, self.n_records, size)
+        except (OSError, RuntimeError) as error:
+            found = f"damage ({error})"[:200]
+            raise BadInput.at(self.path, "", found=found, expected="variables as listed") from None
 
     def _of_hdf5(self) -> list[ArrayColumn]:
         """Names as MATLAB has them: dots for slashes; what begins with # is MATLAB's own."""

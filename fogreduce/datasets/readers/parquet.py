@@ -30,21 +30,21 @@ class ParquetReader(ColumnsReader):
         names = [self.names[k] for k in columns]
         try:
             # Batches end with their row groups: they are put together to the size that was asked for.
-            waiting: list[Chunk] = []
+            waiting: Chunk = [np.empty(0)] * len(names)
             for batch in self._file.iter_batches(batch_size=size, columns=sorted(set(names))):
-                waiting.append([_numbers(batch.column(name)) for name in names])
-                while sum(len(chunk[0]) for chunk in waiting) >= size:
-                    joined = _joined(waiting)
-                    yield [column[:size] for column in joined]
-                    waiting = [[column[size:] for column in joined]]
-            if waiting and len(waiting[0][0]):
-                yield _joined(waiting)
+                read = [_numbers(batch.column(name)) for name in names]
+                waiting = read if not len(waiting[0]) else _joined(waiting, read)
+                while len(waiting[0]) >= size:
+                    yield [column[:size] for column in waiting]
+                    waiting = [column[size:] for column in waiting]
+            if len(waiting[0]):
+                yield waiting
         except (OSError, ValueError) as error:
             raise BadInput.at(self.path, "", found=str(error)[:100], expected="columns as listed") from None
 
 
-def _joined(chunks: Sequence[Chunk]) -> Chunk:
-    return [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
+def _joined(first: Chunk, second: Chunk) -> Chunk:
+    return [np.concatenate(parts) for parts in zip(first, second, strict=True)]
 
 
 def _numbers(column: Any) -> np.ndarray[Any, Any]:
