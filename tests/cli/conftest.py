@@ -5,7 +5,10 @@ from pathlib import Path
 
 import pytest
 
-for _BUILDERS in (str(Path(__file__).parent), str(Path(__file__).parents[1] / "gap")):
+for _BUILDERS in (
+    str(Path(__file__).parent),
+    *(str(Path(__file__).parents[1] / name) for name in ("gap", "datasets")),
+):
     if _BUILDERS not in sys.path:
         sys.path.insert(0, _BUILDERS)
 

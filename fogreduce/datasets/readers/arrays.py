@@ -1,8 +1,8 @@
 """Named arrays of equal length as columns: what HDF5, MATLAB and numpy files hold.
 
 A vector is a column of its own name; a matrix of N rows (or N columns, where it is wider than high) is a
-column for each of its columns, ``name[1]``, ``name[2]``, ...; a table of named fields, ``name.field``, of which
-one that holds several numbers is ``name.field[1]``, ``name.field[2]``, ...
+column for each of its columns, ``name[1]``, ``name[2]``, ...; a table of named fields, ``name.field``, of
+which one that holds several numbers is ``name.field[1]``, ``name.field[2]``, ...
 """
 
 from __future__ import annotations
