@@ -151,7 +151,7 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
         if block.counts is not None:
             counts[:, at] = block.counts[:, take]
         else:
-            whole = np.rint(np.nan_to_num(block.raw[:, take]) / facts.least_count)
+            whole = np.rint(np.nan_to_num(block.raw[:, take]) / ingest.least_count)
             counts[:, at] = np.where(flag & GyroFlag.MISSING, MISSING_COUNT, whole)
         spurious[:, at] = (flag & GyroFlag.SPURIOUS) != 0
         missing[:, at] = (flag & GyroFlag.MISSING) != 0

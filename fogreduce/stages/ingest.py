@@ -14,6 +14,7 @@ from fogreduce.datasets.block import Block, RawBlock
 from fogreduce.datasets.flags import UNUSABLE_RECORD, GyroFlag, RecordFlag, record_flags
 from fogreduce.datasets.readers import Reader
 from fogreduce.estimate.outliers import CONTEXT, OutlierSearch
+from fogreduce.estimate.sample_interval import sample_interval_s
 from fogreduce.estimate.sequence import SequenceCheck
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.quantization import raw_from_counts
@@ -44,6 +45,7 @@ class Ingest:
     facts: RunFacts
     threshold_sigma: float
     records: int = 0
+    _interval_s: float | None = None  # of angle increments
     _places: dict[str, list[dict[str, object]]] = field(default_factory=dict)
     _counts: dict[str, int] = field(default_factory=dict)
 
@@ -69,19 +71,23 @@ class Ingest:
             current, values = following, following_values
 
     @property
-    def interval_s(self) -> float:
-        """Time over which a sample's angle increment goes [s]."""
-        return 1.0 / self.facts.sample_rate_hz
+    def least_count(self) -> float:
+        """What one count stands for, or the least step of a reading, by the samples' interval [raw unit]."""
+        if self._interval_s is None:
+            return self.facts.least_count
+        return self.facts.capture_least_count / self._interval_s
 
     def _in_use(self, raw: RawBlock) -> RawBlock:
-        """Readings in the raw unit in use: angle increments become rates."""
+        """Readings in the raw unit in use: angle increments become rates, by the first block's interval."""
         if not self.facts.is_increment:
             return raw
+        if self._interval_s is None:
+            self._interval_s = sample_interval_s(raw.pulse, raw.time_us, self.facts.sample_rate_hz)
         increment = raw.values
         if raw.counts is not None:
             increment = raw_from_counts(raw.counts, self.facts.capture_least_count)
         assert increment is not None
-        return replace(raw, counts=None, values=rate_from_increment(increment, self.interval_s))
+        return replace(raw, counts=None, values=rate_from_increment(increment, self._interval_s))
 
     def _prepared(self, raw: RawBlock) -> tuple[Values, NDArray[np.bool_] | None]:
         """Values with the missing ones filled from their neighbours, and which were missing (None: none)."""

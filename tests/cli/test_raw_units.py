@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fogreduce.cli.main import main
-from tests.cli.small_lab import SAMPLE_RATE_HZ, SmallLab, header
+from tests.cli.small_lab import RECORDS, SAMPLE_RATE_HZ, SmallLab, header, records
 
 #: Raw unit -> (suffix of its columns, raw units in use per deg/s, how many of them an increment of one is).
 UNITS = {
@@ -180,3 +180,16 @@ def test_a_header_of_another_least_count_is_refused(small_lab, capsys):
     lines = faults_of(small_lab, capsys, small_lab.reduce())
     assert len(lines) == 1
     assert "least count 1e-07; expected 4e-05, as capture.least_count of run.yaml says" in lines[0]
+
+
+def test_increments_go_by_the_interval_that_the_stamps_show(small_lab):
+    """The stamps show 16.16 Hz where run.yaml says 16: increments are over 1/16.16 s."""
+    lab = in_unit(small_lab, "rad")
+    body = records()
+    body["time"] = np.rint(np.arange(RECORDS) / 16.16 * 1e6)
+    least = LEAST_DEG_S * math.pi / 180 / SAMPLE_RATE_HZ
+    lab.write_capture(header(volts=least), body.tobytes())
+    assert main(lab.reduce()) == 0
+    with h5py.File(lab.out / "datasets" / "ingest.nc") as file:
+        # stamps of whole microseconds, half a minute apart: to 1e-7
+        np.testing.assert_allclose(file["raw"][()], body["counts"].T * least * 16.16, rtol=1e-7)
