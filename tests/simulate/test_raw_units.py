@@ -76,7 +76,8 @@ def reduced(root: Path, name: str, capture: dict, *options: str) -> list[dict[st
 FOGCAP = {"file": "capture.fogcap", "format": "fogcap-1"}
 CSV = {"file": "capture.csv", "format": "csv-1"}
 #: The unit's log in a format that no simulation writes.
-LOG = {"file": "log.h5", "format": "hdf5"}
+COLUMNS = {"time": "t", "gyros": ["gx", "gy", "gz"]}
+LOG = {"file": "log.h5", "format": "hdf5", "columns": COLUMNS, "time": {"unit": "ms"}, "time_zero": "first"}
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +102,10 @@ def test_another_format_becomes_fogcap_in_the_simulated_run(tmp_path, name):
     assert sorted(path.name for path in made.iterdir()) == ["capture.fogcap", "run.yaml"]
     folders = (tmp_path / "c1", tmp_path / "made")
     plan, run = (load_yaml(folder / "runs" / "r1" / "run.yaml") for folder in folders)
-    assert run["capture"] == {**plan["capture"], "file": "capture.fogcap", "format": "fogcap-1"}
+    kept = {
+        key: value for key, value in plan["capture"].items() if key not in ("columns", "time", "time_zero")
+    }
+    assert run["capture"] == {**kept, "file": "capture.fogcap", "format": "fogcap-1"}
     assert {**run, "capture": None} == {**plan, "capture": None}
 
 
