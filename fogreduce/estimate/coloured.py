@@ -130,13 +130,39 @@ def coefficient_covariance(columns: Array, noise: ColouredNoise, period_s: float
     return inverse @ middle @ inverse
 
 
+def correlated_covariance(columns: Array, variance: float, time_s: float, period_s: float) -> Array:
+    """Covariance of least-squares coefficients under an error that stays like itself for a time.
+
+    Parameters
+    ----------
+    columns : (k, m) array
+        The basis at consecutive bins.
+    variance : float
+        Of the error.
+    time_s : float
+        Its correlation time: its autocovariance is ``variance exp(-lag / time_s)``.
+    period_s : float
+        From bin to bin.
+    """
+    lag = np.arange(columns.shape[1]) * period_s
+    middle = variance * _stationary_form(columns, np.exp(-lag / time_s))
+    inverse = np.linalg.inv(columns @ columns.T)
+    return inverse @ middle @ inverse
+
+
 def _flicker_form(columns: Array, period_s: float) -> Array:
     """``Z C Z'`` for flicker of B = 1, as a sum of first-order processes two to the octave."""
-    m = columns.shape[1]
-    lag = np.arange(m) * period_s
+    lag = np.arange(columns.shape[1]) * period_s
     step = math.log(2) / 2
     corners = np.exp(np.arange(math.log(_LOWEST_HZ), math.log(0.5 / period_s), step))
-    covariance = sum(step / math.pi * np.exp(-2 * math.pi * corner * lag) for corner in corners)
+    return _stationary_form(
+        columns, sum(step / math.pi * np.exp(-2 * math.pi * corner * lag) for corner in corners)
+    )
+
+
+def _stationary_form(columns: Array, covariance: Array) -> Array:
+    """``Z C Z'`` for the autocovariance at lags of 0, 1, 2, ... bins."""
+    m = columns.shape[1]
     size = 2 * m
     circle = np.fft.rfft(np.concatenate((covariance, [0.0], covariance[:0:-1])))
     spread = np.fft.irfft(np.fft.rfft(columns, size) * circle, size)[:, :m]

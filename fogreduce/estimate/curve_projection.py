@@ -32,13 +32,13 @@ class CurveProjection:
     to_theta: Array
 
     @classmethod
-    def of(cls, profile: Profile, segment: int) -> CurveProjection:
-        """Of a segment of the profile, from 1."""
+    def of(cls, profile: Profile, segment: int, terms: int = 4) -> CurveProjection:
+        """Of a segment of the profile, from 1; `terms` as `CurveBasis.first` takes them."""
         edges = profile.edges_s
         start, stop = float(edges[segment - 1]), float(edges[segment])
         # What is projected is a sum of 1, cos(alpha) and sin(alpha), which the curve holds, or nearly so: any
         # even choice of times finds its coefficients.
         time_s = start + (stop - start) * np.sort((0.5 + _GOLDEN * np.arange(_GRID)) % 1.0)
-        basis = CurveBasis.of(start, stop, float(profile.rate_deg_s[segment - 1]))
+        basis = CurveBasis.of(start, stop, float(profile.rate_deg_s[segment - 1])).first(terms)
         columns = basis.columns(time_s)
         return cls(time_s, basis.to_theta @ np.linalg.inv(columns @ columns.T) @ columns)

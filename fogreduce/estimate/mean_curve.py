@@ -9,7 +9,7 @@ digits.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,10 +97,15 @@ class CurveBasis:
         """Whether the model has a sine: not at a standstill, nor in a turn too short to show one."""
         return len(self.whiten) == 4
 
+    def first(self, terms: int) -> CurveBasis:
+        """The basis of the first terms alone: 4 with the sine, 2 a straight line, 1 a constant."""
+        return replace(self, whiten=self.whiten[:terms, :terms], to_theta=self.to_theta[:, :terms])
+
     def columns(self, time_s: Array) -> Array:
         """Orthonormal columns at times [s] (N,): (k, N)."""
         middle, half = (self.start_s + self.stop_s) / 2, (self.stop_s - self.start_s) / 2
-        return self.whiten @ _raw(time_s, middle, half, self.rate_rad_s, self.has_sine)
+        raw = _raw(time_s, middle, half, self.rate_rad_s, self.has_sine)
+        return self.whiten @ raw[: len(self.whiten)]
 
 
 def _raw(time_s: Array, middle: float, half: float, rate: float, has_sine: bool) -> Array:
@@ -130,9 +135,12 @@ class CurveFit:
         Standard deviation of one sample about the curve (residual sum of squares over records - parameters).
     records : int
         Records used.
-    has_sine : bool
+    has_sine, has_slope : bool
+        Whether the model has a sine, and a slope.
     rate_rad_s : float
         c.
+    scatter : float
+        Standard deviation of the values themselves, about their mean.
     """
 
     theta: Array
@@ -140,7 +148,9 @@ class CurveFit:
     sigma: float
     records: int
     has_sine: bool
+    has_slope: bool
     rate_rad_s: float
+    scatter: float
 
     @property
     def with_rate(self) -> Array:
@@ -224,9 +234,14 @@ class CurveSums:
             elif usable[channel].any():
                 self._reference[channel] = values[channel, int(np.argmax(usable[channel]))]
 
-    def fit(self, channel: int) -> CurveFit | None:
-        """The least-squares curve of a channel; None where its records do not determine one."""
-        zz, zy, records = self._zz[channel], self._zy[channel], int(self._records[channel])
+    def fit(self, channel: int, terms: int = 4) -> CurveFit | None:
+        """The least-squares curve of a channel; None where its records do not determine one.
+
+        `terms` as `CurveBasis.first` takes them: the columns of the basis build on each other.
+        """
+        basis = self.basis.first(terms)
+        zz, zy = self._zz[channel][:terms, :terms], self._zy[channel][:terms]
+        records = int(self._records[channel])
         k = len(zz)
         if records <= k or np.linalg.cond(zz) > HARDEST:
             return None
@@ -234,8 +249,10 @@ class CurveSums:
         beta = np.linalg.solve(zz, zy)
         left = float(self._yy[channel] - 2 * beta @ zy + beta @ zz @ beta)
         sigma = math.sqrt(max(left, 0.0) / (records - k))
-        to_theta = self.basis.to_theta
+        to_theta = basis.to_theta
         theta = to_theta @ beta
         theta[0] += self._reference[channel]
         covariance = sigma**2 * (to_theta @ inverse @ to_theta.T)
-        return CurveFit(theta, covariance, sigma, records, self.basis.has_sine, self.basis.rate_rad_s)
+        about_mean = max(0.0, float(self._yy[channel] - zy[0] ** 2 / zz[0, 0])) / (records - 1)
+        rate, scatter = self.basis.rate_rad_s, math.sqrt(about_mean)
+        return CurveFit(theta, covariance, sigma, records, k == 4, k > 1, rate, scatter)

@@ -147,7 +147,7 @@ def motion_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> A
     return np.array(found)
 
 
-def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int) -> Array:
+def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int, terms: int = 4) -> Array:
     """Covariance of the mean curves of x, y, z that the stated uncertainties allow.
 
     Parameters
@@ -156,13 +156,15 @@ def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int) -> Ar
         As `departures` takes them.
     segment : int
         Of the profile, from 1.
+    terms : int
+        Of the curve that was fitted, as `CurveBasis.first` takes them.
 
     Returns
     -------
     (3, 4, 4) array
         Of theta = (a, p, q, e) of each axis (see `fogreduce.estimate.mean_curve`); add it to that of noise.
     """
-    projection = CurveProjection.of(facts.profile, segment)
+    projection = CurveProjection.of(facts.profile, segment, terms)
     return _covariance(projection, departures(facts, stated, projection.time_s))
 
 

@@ -85,7 +85,9 @@ def angle_of(terms: Array, item: Mapping[str, Any]) -> Angle:
 
 
 def accumulated_error(segment: Mapping[str, Any], item: Mapping[str, Any]) -> Angle:
-    """Accumulated error of an axis over a segment, by the offset rule."""
+    """Accumulated error of an axis over a segment, by the offset rule; unknown without a slope."""
+    if not item["has_slope"]:
+        return Angle()
     return angle_of(drift_terms(segment["start_s"], segment["stop_s"], item["rate_rad_s"]), item)
 
 

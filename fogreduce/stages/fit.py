@@ -6,21 +6,26 @@ left out: a stamp rounded to the microsecond, or a table that takes time to chan
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.constants import EARTH_RATE_DEG_S
 from fogreduce.datasets.flags import UNUSABLE_AXES, RecordFlag
 from fogreduce.estimate.bins import Bins, bin_size, bins_of
 from fogreduce.estimate.coloured import (
     ColouredNoise,
     allan_variance,
     coefficient_covariance,
+    correlated_covariance,
     fit_noise,
 )
+from fogreduce.estimate.determined import phase_note, why_undetermined
 from fogreduce.estimate.mean_curve import CurveBasis, CurveFit, CurveSums, curve
+from fogreduce.estimate.rounding import correlation_time, systematic_variance
 from fogreduce.estimate.uncertainty import StatedErrors, stated_covariance
 from fogreduce.estimate.unstable import Unstable, unstable_intervals
 from fogreduce.metadata.facts import RunFacts
@@ -32,6 +37,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _LEAST_BINS = 16  # fewer do not tell coloured noise from white
+_CURVE_POINTS = 256  # at which a curve's range is looked for
+_TOO_FEW = {4: "b and d: too few records", 2: "e: too few records", 1: ""}
 _WORST_BASIS = 1e7  # condition of the basis at the bins: stamps beyond it are so wrong that no error holds
 
 
@@ -46,6 +53,14 @@ class Segment:
     basis: CurveBasis
     gyros: CurveSums
     axes: CurveSums
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """Variance of what rounding leaves in a channel's mean, and how long it stays like itself [s]."""
+
+    variance: float
+    time_s: float
 
 
 @dataclass(frozen=True)
@@ -70,6 +85,7 @@ class ChannelFit:
     coloured: Array | None
     noise: ColouredNoise | None
     stated: Array | None
+    undetermined: str
 
 
 @dataclass(frozen=True)
@@ -190,36 +206,99 @@ class Fit:
         ]
 
     def _channel_fits(self, segment: Segment, bins: Bins) -> list[ChannelFit | None]:
-        stated: list[Array | None] = [None] * self.facts.n_gyros
-        if len(self.channels) > len(stated):
-            stated += list(stated_covariance(self.facts, self.stated, segment.number))
-        return [self._channel_fit(segment, channel, bins, item) for channel, item in enumerate(stated)]
+        found: list[ChannelFit | None] = []
+        steps = self._rounding_of_gyros(segment)
+        for channel in range(len(self.channels)):
+            found.append(self._channel_fit(segment, channel, bins, self._rounding(channel, steps)))
+        return found
+
+    def _rounding_of_gyros(self, segment: Segment) -> list[Rounding]:
+        """What rounding to counts leaves in the mean of each gyro."""
+        found, step = [], self.facts.least_count
+        duration = segment.stop_s - segment.start_s
+        time_s = np.linspace(segment.start_s, segment.stop_s, _CURVE_POINTS)
+        for gyro in range(self.facts.n_gyros):
+            fitted = segment.gyros.fit(gyro)
+            variance = 0.0 if fitted is None else systematic_variance(step, fitted.sigma)
+            moved = 0.0 if fitted is None else float(np.ptp(curve(time_s, fitted.with_rate)))
+            found.append(Rounding(variance, correlation_time(step, moved, duration)))
+        return found
+
+    def _rounding(self, channel: int, of_gyros: list[Rounding]) -> Rounding:
+        """The same of any channel: an axis has that of all gyros, by H, independent of each other."""
+        n = self.facts.n_gyros
+        if channel < n:
+            return of_gyros[channel]
+        assert self.facts.projection is not None
+        weights = self.facts.projection[channel - n] / self.facts.scale_factor
+        variance = math.fsum(
+            weight**2 * each.variance for weight, each in zip(weights, of_gyros, strict=True)
+        )
+        return Rounding(variance, max(each.time_s for each in of_gyros))
 
     def _channel_fit(
-        self, segment: Segment, channel: int, bins: Bins, stated: Array | None
+        self, segment: Segment, channel: int, bins: Bins, rounding: Rounding
     ) -> ChannelFit | None:
+        """The curve of a channel with as many terms as its records determine."""
         n = self.facts.n_gyros
-        fitted = segment.gyros.fit(channel) if channel < n else segment.axes.fit(channel - n)
-        if fitted is None:
+        basis = segment.basis
+        duration = segment.stop_s - segment.start_s
+        turn = segment.rate_deg_s * duration
+        largest = EARTH_RATE_DEG_S * (abs(self.facts.scale_factor[channel]) if channel < n else 1.0)
+        reasons = []
+        if segment.rate_deg_s and not basis.has_sine:
+            reasons.append(f"b and d: {abs(turn):.4g} deg of turn do not tell a sine from a line")
+        for terms in (4, 2, 1) if basis.has_sine else (2, 1):
+            sums, index = (segment.gyros, channel) if channel < n else (segment.axes, channel - n)
+            fitted = sums.fit(index, terms)
+            if fitted is None:
+                reasons.append(_TOO_FEW[terms])
+                continue
+            coloured, noise = self._coloured(segment, channel, bins, fitted, terms, rounding)
+            covariance = fitted.covariance if coloured is None else coloured
+            reason = why_undetermined(fitted, covariance, largest, turn, duration)
+            if not reason:
+                break
+            reasons.append(reason)
+        else:
             return None
+        stated = None
+        if channel >= n:
+            stated = stated_covariance(self.facts, self.stated, segment.number, terms)[channel - n]
+        reasons.append(phase_note(fitted, covariance))
+        said = "; ".join(filter(None, reasons))
+        return ChannelFit(self.channels[channel], fitted, coloured, noise, stated, said)
+
+    def _coloured(
+        self,
+        segment: Segment,
+        channel: int,
+        bins: Bins,
+        fitted: CurveFit,
+        terms: int,
+        rounding: Rounding,
+    ) -> tuple[Array | None, ColouredNoise | None]:
+        """Covariance by the noise that the residual's bins show, and that noise; None: too few bins."""
         time_s = bins.time_s
         inside = self._holds(segment, time_s)
         mean = bins.mean[channel][inside]
         if np.count_nonzero(np.isfinite(mean)) < _LEAST_BINS:
-            return ChannelFit(self.channels[channel], fitted, None, None, stated)
+            return None, None
         time_s = time_s[inside]
-        columns = segment.basis.columns(time_s)
+        basis = segment.basis.first(terms)
+        columns = basis.columns(time_s)
         if np.linalg.cond(columns) > _WORST_BASIS:
-            return ChannelFit(self.channels[channel], fitted, None, None, stated)
+            return None, None
         # A bin's mean of the sine is its middle value times sinc of half the turn within the bin.
         flattened = fitted.with_rate.copy()
         flattened[1:3] *= np.sinc(fitted.rate_rad_s * self.bin_s / (2 * np.pi))
         left = mean - curve(time_s, flattened)
         noise = fit_noise(*allan_variance(left, self.bin_s))
         covariance = coefficient_covariance(columns, noise, self.bin_s)
-        to_theta = segment.basis.to_theta
-        coloured = to_theta @ covariance @ to_theta.T
-        return ChannelFit(self.channels[channel], fitted, coloured, noise, stated)
+        if rounding.variance > 0:
+            covariance += correlated_covariance(columns, rounding.variance, rounding.time_s, self.bin_s)
+        coloured: Array = basis.to_theta @ covariance @ basis.to_theta.T
+        return coloured, noise
 
 
 def _mended(time_s: Array, flag: NDArray[np.uint8]) -> Array:
@@ -267,6 +346,8 @@ def _plain_channel(item: ChannelFit) -> dict[str, Any]:
         "sigma": item.curve.sigma,
         "records": item.curve.records,
         "has_sine": item.curve.has_sine,
+        "has_slope": item.curve.has_slope,
+        "undetermined": item.undetermined,
         "rate_rad_s": item.curve.rate_rad_s,
         "coloured_covariance": None if item.coloured is None else item.coloured.tolist(),
         "stated_covariance": None if item.stated is None else item.stated.tolist(),

@@ -16,7 +16,7 @@ from fogreduce.physics.raw_quantity import RawUnit
 _FIT = "a_{u},a_err_{u},b_{u},b_err_{u},c_rad_s,d_rad,d_err_rad,e_{ut},e_err_{ut},sigma_{u},records"
 #: Further columns: errors by other accounts, and where the row belongs.
 _FURTHER = "a_err_{by}_{u},b_err_{by}_{u},d_err_{by}_rad,e_err_{by}_{ut}"
-_PLACE = "segment,start_s,stop_s,table_rate_deg_s,version_id"
+_PLACE = "segment,start_s,stop_s,table_rate_deg_s,version_id,undetermined"
 
 
 def _fit_columns(channel: str, u: str, ut: str, accounts: Sequence[str]) -> list[str]:
@@ -62,7 +62,8 @@ def fit_rows(
     Errors are one standard deviation. `*_err_*` is that of white noise alone, as the paper's. Of the further
     accounts, ``coloured`` is that of the white noise, flicker and random walk which the residuals show, and
     ``stated`` is what calibration record and run.yaml state as uncertain (scale factor, bias, axes, turn-on
-    bias, azimuth, latitude, table rate), noise not in it.
+    bias, azimuth, latitude, table rate), noise not in it. Parameters that the record does not determine are
+    empty, and `undetermined` says why.
     """
     rows: list[list[Cell]] = []
     for segment in fits["segments"]:
@@ -72,7 +73,8 @@ def fit_rows(
             item = found.get(name)
             cells = [None] * 10 + [0] if item is None else _fit_cells(item)
             further = [cell for account in accounts for cell in _errors(item, f"{account}_covariance")]
-            rows.append([name, *cells, *further, *place, version_id])
+            undetermined = "all: too few usable records" if item is None else item["undetermined"]
+            rows.append([name, *cells, *further, *place, version_id, undetermined])
     return rows
 
 
@@ -83,7 +85,8 @@ def _fit_cells(item: Mapping[str, Any]) -> list[Cell]:
     if item["has_sine"]:
         b, _, d, _ = amplitude_and_phase(np.array(item["theta"]), np.array(item["covariance"]))
         sine = [b, b_err, item["rate_rad_s"], d, d_err]
-    return [a, a_err, *sine, e, e_err, item["sigma"], item["records"]]
+    slope = [e, e_err] if item["has_slope"] else [None, None]
+    return [a, a_err, *sine, *slope, item["sigma"], item["records"]]
 
 
 def _errors(item: Mapping[str, Any] | None, key: str) -> list[Cell]:
@@ -91,7 +94,8 @@ def _errors(item: Mapping[str, Any] | None, key: str) -> list[Cell]:
     if item is None or item[key] is None:
         return [None] * 4
     covariance = np.array(item[key])
-    errors: list[Cell] = [math.sqrt(covariance[0, 0]), None, None, math.sqrt(covariance[3, 3])]
+    e_err = math.sqrt(covariance[3, 3]) if item["has_slope"] else None
+    errors: list[Cell] = [math.sqrt(covariance[0, 0]), None, None, e_err]
     if item["has_sine"]:
         _, errors[1], _, errors[2] = amplitude_and_phase(np.array(item["theta"]), covariance)
     return errors

@@ -25,6 +25,7 @@ def plain(theta: list[float], rate_rad_s: float, covariance: np.ndarray | None =
     return {
         "theta": theta,
         "rate_rad_s": rate_rad_s,
+        "has_slope": True,
         "covariance": covariance.tolist(),
         "coloured_covariance": None,
         "stated_covariance": None,

@@ -1,0 +1,67 @@
+"""Which parameters of a mean curve a record determines.
+
+Over a short part of a turn sine, offset and slope are nearly the same function: their errors grow beyond
+anything that was measured, and only their sum means something. Not determined is
+
+- the sine, where its standard error exceeds Earth's rate, which is the largest that it can be beforehand, and
+  where either it is not three of its errors large, so that leaving it out errs by less than its error, or its
+  error exceeds the standard deviation of all values of the segment, so that the record says less of it than a
+  single reading;
+- the slope, where the error of its change over the segment, by white noise, exceeds that standard deviation.
+
+The curve is then fitted without it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.estimate.mean_curve import CurveFit, amplitude_and_phase
+
+Array = NDArray[np.float64]
+
+#: A sine of so many standard errors is seen, whatever its error.
+_SEEN = 3.0
+#: Standard deviation of a phase of which nothing is known, uniform in (-pi, pi] [rad].
+ANY_PHASE_RAD = math.pi / math.sqrt(3.0)
+
+
+def why_undetermined(
+    fit: CurveFit, covariance: Array, largest_sine: float, turn_deg: float, duration_s: float
+) -> str:
+    """Why the last parameter of a curve, the sine or else the slope, is not determined; empty where it is.
+
+    Parameters
+    ----------
+    fit : CurveFit
+    covariance : (4, 4) array
+        Of theta, by the noise that the residuals show.
+    largest_sine : float
+        The largest amplitude that the sine can have beforehand, in the channel's unit.
+    turn_deg, duration_s : float
+        How far the table turned in the segment, and how long it lasted.
+    """
+    if fit.has_sine:
+        error = _largest_error(covariance[1:3, 1:3])
+        b = amplitude_and_phase(fit.theta, covariance)[0]
+        if error > largest_sine and (b < _SEEN * error or error > fit.scatter):
+            return f"b and d: {abs(turn_deg):.4g} deg of turn and this noise do not tell the sine from a line"
+    elif fit.has_slope and math.sqrt(fit.covariance[3, 3]) * duration_s > fit.scatter:
+        return "e: too few records or too short a part of the segment"
+    return ""
+
+
+def phase_note(fit: CurveFit, covariance: Array) -> str:
+    """What is to be said of a phase whose error is that of any phase, or larger; else nothing."""
+    if not fit.has_sine:
+        return ""
+    error = amplitude_and_phase(fit.theta, covariance)[3]
+    return "" if error < ANY_PHASE_RAD else "d: a sine too small to have a phase"
+
+
+def _largest_error(covariance: Array) -> float:
+    """The largest standard error of b in any direction of its phase."""
+    return math.sqrt(max(0.0, float(np.linalg.eigvalsh(covariance)[-1])))
