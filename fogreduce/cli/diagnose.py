@@ -5,6 +5,7 @@ closes.
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -132,6 +133,7 @@ def _diagnose(
 ) -> None:
     """One campaign; its verdict on standard output."""
     from fogreduce.gap.diagnose import STEPS, diagnose
+    from fogreduce.gap.words import captures_in_words
     from fogreduce.gap.write import write
     from fogreduce.metadata.folder import load_campaign
 
@@ -143,6 +145,8 @@ def _diagnose(
             _verify_next(diagnosis, campaign, without, only, args)
         told("page")
         write(diagnosis, out, load_campaign(campaign).label)
+    for line in captures_in_words(diagnosis.document):
+        print(f"{campaign}: {line}", file=sys.stderr, flush=True)
     causes = ", ".join(f"{c['effect']} {' '.join(c['channels'])}" for c in diagnosis.document["causes"])
     print(f"{out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}", flush=True)
     tried = (diagnosis.document["next_run"] or {}).get("verified")

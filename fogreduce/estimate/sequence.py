@@ -19,8 +19,8 @@ from fogreduce.estimate.outliers import isolated
 Integers = NDArray[np.int64]
 
 #: A stamp further than this from where its pulse number puts it, beside its neighbours, is wrong.
-_STAMP_TOLERANCE_S = 0.05
-_STAMP_TOLERANCE_PULSES = 8
+STAMP_TOLERANCE_S = 0.05
+STAMP_TOLERANCE_PULSES = 8
 
 
 @dataclass
@@ -59,7 +59,7 @@ class SequenceCheck:
         flags = np.zeros(pulse.size, np.uint8)
         late_us = time_us - pulse * (MICROSECONDS_PER_SECOND / self.sample_rate_hz)
         tolerance = MICROSECONDS_PER_SECOND * max(
-            _STAMP_TOLERANCE_S, _STAMP_TOLERANCE_PULSES / self.sample_rate_hz
+            STAMP_TOLERANCE_S, STAMP_TOLERANCE_PULSES / self.sample_rate_hz
         )
         if late_us.size > 1 and np.ptp(late_us) > tolerance:
             flags[isolated(late_us, tolerance)] = RecordFlag.BAD_STAMP

@@ -211,14 +211,7 @@ def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[fl
         return None
     found = []
     for parity in (0, 1):
-        part = replace(
-            data,
-            inputs=data.inputs[parity::2],
-            residual=data.residual[parity::2],
-            sizes=data.sizes[parity::2],
-            full=data.full[parity::2],
-            codes=data.codes[parity::2],
-        )
+        part = data.some_runs(slice(parity, None, 2))
         same = [f for f in Fast(part, allowed).findings([]) if f.key == cause.finding.key]
         if not same or not same[0].parameters:
             return None

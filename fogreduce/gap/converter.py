@@ -144,17 +144,22 @@ def _wanders(e: Array, usable: NDArray[np.bool_], sigma: float) -> bool:
 
 
 def converter_findings(
-    runs: Sequence[Sequence[Codes | None]], n: int, allowed: frozenset[str], step_volts: Array
+    runs: Sequence[Sequence[Codes | None]], n: int, allowed: frozenset[str], step: Array
 ) -> Iterator[Finding]:
-    """Findings at each gyro; `runs`: codes of each gyro in each run, `step_volts` (n,): of the converters."""
+    """Findings at each gyro; `runs`: codes of each gyro in each run, `step` (n,): its converter's widest."""
     for i in range(n):
         here = [c for c in (run[i] for run in runs) if c is not None]
         if not here:
             continue
         sigma = float(np.median([c.sigma for c in here]))
-        here = [c for c in here if 0.7 * sigma < c.sigma < 1.4 * sigma]
+        alike = [c for c in here if 0.7 * sigma < c.sigma < 1.4 * sigma]
+        if not alike:
+            # between two kinds of runs lies none: the quieter one, in which steps show best
+            sigma = max(c.sigma for c in here if c.sigma <= sigma)
+            alike = [c for c in here if 0.7 * sigma < c.sigma < 1.4 * sigma]
+        here = alike
         # a voltage in steps shows its own waves again about those that belong to the steps
-        kappa = _WAVES[2.0 * np.pi * sigma / step_volts[i] - _WAVES > _APART] / sigma
+        kappa = _WAVES[2.0 * np.pi * sigma / step[i] - _WAVES > _APART] / sigma
         if kappa.size < 2:
             continue
         z = np.array([c.score(kappa) for c in here])

@@ -26,8 +26,8 @@ def converter_means(inputs: Sequence[RunInput], causes: Sequence[Cause], noise: 
     ----------
     inputs : runs
     causes : those found
-    noise : (n,) array
-        White noise of a sample [V].
+    noise : (R, n) array
+        White noise of a sample in each run [raw unit].
     rows : Rows
     """
     columns = [np.zeros((rows.total, 0))]
@@ -37,9 +37,9 @@ def converter_means(inputs: Sequence[RunInput], causes: Sequence[Cause], noise: 
         i = int(cause.channels[0][4:]) - 1
         numbers = cause.parameters()
         kappa = 2.0 * np.pi / numbers["period_volts"]
-        # noise sweeps over part of the period
-        left = abs(numbers["volts"]) * float(np.exp(-0.5 * (kappa * noise[i]) ** 2))
         for r, one in enumerate(inputs):
+            # noise sweeps over part of the period
+            left = abs(numbers["volts"]) * float(np.exp(-0.5 * (kappa * noise[r, i]) ** 2))
             per_volt = SECONDS_PER_HOUR / abs(float(one.facts.scale_factor[i]))
             volts = one.scene.decoded(one.scene.blocks.time_s)[i] / per_volt
             waves = one.scene.blocks.means(np.array([np.cos(kappa * volts), np.sin(kappa * volts)]))

@@ -14,9 +14,12 @@ from fogreduce.effects.model import Stage
 from fogreduce.effects.selection import Action
 from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.capture import SLOWEST_HZ, RunInput, Samples, block_residual, read_inputs, read_samples
+from fogreduce.gap.constant import Constant, constant_gyros, without_dead
 from fogreduce.gap.converter import Codes, codes
 from fogreduce.gap.full_rate import LEAST_LINE_HZ, PIECE, FullRate, full_rate, straightened
 from fogreduce.gap.link import zero_bits
+from fogreduce.gap.run_noise import own_levels, with_white_noise
+from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.folder import load_run
 from fogreduce.physics.noise import white_sigma
 from fogreduce.simulate.streams import stream
@@ -44,6 +47,14 @@ class Data:
         Gyro -> volts at which its converter rests.
     codes : lists of Codes
         Of each gyro in each run.
+    record : CalibrationRecord
+        As it stands in its file.
+    own_noise : (R, n) array
+        White noise of a run over that of the gyro's other runs.
+    found_white : (n,) array or None
+        White noise as the captures show it, where the record states none.
+    constant : list of Constant
+        Gyros that gave one value all through a run.
     """
 
     inputs: list[RunInput]
@@ -54,6 +65,10 @@ class Data:
     bits: NDArray[np.int64]
     rails: dict[int, float]
     codes: list[list[Codes | None]]
+    record: CalibrationRecord
+    own_noise: Array
+    found_white: Array | None = None
+    constant: tuple[Constant, ...] = ()
 
     @property
     def n(self) -> int:
@@ -66,10 +81,29 @@ class Data:
         return [one.facts.run_id for one in self.inputs]
 
     def noise_counts(self) -> Array:
-        """White noise of a sample in counts, as the record states it, (n,)."""
-        facts = self.inputs[0].facts
-        sigma = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in self.stated_white])
-        return sigma * np.abs(facts.scale_factor) / facts.least_count
+        """White noise of a sample in counts, as the record states it, in each run (R, n)."""
+        return self.noise_raw() / np.array([[one.facts.least_count] for one in self.inputs])
+
+    def noise_raw(self) -> Array:
+        """The same in raw units."""
+        return np.array(
+            [
+                white_sigma(self.stated_white, one.facts.sample_rate_hz) * np.abs(one.facts.scale_factor)
+                for one in self.inputs
+            ]
+        )
+
+    def some_runs(self, which: slice) -> Data:
+        """The same of some runs alone."""
+        return replace(
+            self,
+            inputs=self.inputs[which],
+            residual=self.residual[which],
+            sizes=self.sizes[which],
+            full=self.full[which],
+            codes=self.codes[which],
+            own_noise=self.own_noise[which],
+        )
 
     def with_parts(self, keep: Sequence[NDArray[np.bool_]]) -> Data:
         """The same with only some blocks of each run counted; `keep`: a mask (blocks,) a run."""
@@ -113,7 +147,11 @@ def read_data(
     """Read a campaign's captures and hold them against the simulator, or against another one's captures."""
     inputs = read_inputs(campaign, calibrations, only)
     captures = [read_samples(one) for one in inputs]
+    constant = constant_gyros(inputs, captures)
+    captures = without_dead(inputs, captures, constant)
     full = [_full_rate(one, s) for one, s in zip(inputs, captures, strict=True)]
+    record = inputs[0].record
+    inputs, found_white = with_white_noise(inputs, captures, full)
     n = inputs[0].facts.n_gyros
     bits = np.array([zero_bits(full, i) for i in range(n)])
     residual, sizes = [], []
@@ -127,7 +165,20 @@ def read_data(
         sizes.append(np.where(np.isfinite(means), size, 0.0))
     stated = np.array(inputs[0].record.stated_noise.angle_random_walk_deg_sqrt_h)
     cells = [_codes(one, samples, run) for one, samples, run in zip(inputs, captures, full, strict=True)]
-    return Data(inputs, residual, sizes, full, stated, bits, _rails(captures, full, inputs), cells)
+    return Data(
+        inputs,
+        residual,
+        sizes,
+        full,
+        stated,
+        bits,
+        _rails(captures, full, inputs, constant),
+        cells,
+        record,
+        own_levels(full, inputs, stated, bits.astype(float)),
+        found_white,
+        constant,
+    )
 
 
 def _simulated(one: RunInput, campaign: Path) -> RunInput:
@@ -177,14 +228,18 @@ def _rounded_down(one: RunInput, bits: NDArray[np.int64]) -> Array:
 
 
 def _rails(
-    captures: Sequence[Samples], full: Sequence[FullRate], inputs: Sequence[RunInput]
+    captures: Sequence[Samples],
+    full: Sequence[FullRate],
+    inputs: Sequence[RunInput],
+    constant: Sequence[Constant],
 ) -> dict[int, float]:
     """Where a gyro's noise has gone in some run: the volts at which its converter rests there."""
     rails: dict[int, float] = {}
     for samples, run, one in zip(captures, full, inputs, strict=True):
         for i in np.flatnonzero(run.at_rest).tolist():
             good = np.isfinite(samples.residual[i])
-            if good.any():
+            steady = any(c.run == run.run_id and c.gyro == i for c in constant)
+            if good.any() and not steady:
                 volts = float(np.median(np.abs(samples.counts[i, good]))) * one.facts.least_count
                 rails[i] = max(rails.get(i, 0.0), volts)
     return rails

@@ -225,7 +225,7 @@ class _Bench:
         key = (blocks.count, blocks.length_s, *sorted(further.items()))
         if key not in self._known:
             full = np.full((here.facts.n_gyros, blocks.count), blocks.length_s * here.facts.sample_rate_hz)
-            self._known[key] = whitener([here], [full], self.search.fast.level, further)
+            self._known[key] = whitener([here], [full], self.search.fast.level[:1], further)
         return self._known[key]
 
 

@@ -18,7 +18,7 @@ from fogreduce.gap.findings import Finding
 from fogreduce.gap.full_rate import FIRST_LINE, LEAST_LINE_HZ, PIECE
 from fogreduce.gap.line_evidence import sizes_log
 from fogreduce.gap.link import HEALTHY_FAULT, share_evidence
-from fogreduce.gap.spectrum import Levels, correlation_findings, filter_gain, level_findings
+from fogreduce.gap.spectrum import Levels, correlation_findings, level_findings
 from fogreduce.gap.stamps import clock_evidence, stamps
 from fogreduce.physics.noise import white_sigma
 
@@ -69,14 +69,15 @@ def _expected_levels(inputs: Sequence[RunInput]) -> Levels | None:
     frequency = np.asarray(np.fft.rfftfreq(length)[min(FIRST_LINE, length // 8) : -1], np.float64)
     return Levels(
         np.ones((n, len(frequency))),
-        np.full(n, pieces),
+        np.full((n, len(frequency)), pieces),
         frequency,
         np.ones((n, len(frequency)), bool),
         np.eye(n),
         pieces * len(frequency),
         _stated(inputs),
-        facts.sample_rate_hz,
+        np.full(len(frequency), facts.sample_rate_hz),
         np.ones((n, len(frequency))),
+        np.zeros((n, len(frequency))),
     )
 
 
@@ -104,7 +105,7 @@ def _levels(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
         return next(f for f in found if f.effect == "angle_random_walk")
 
     def slower(tau_ms: float) -> Finding:
-        gain = filter_gain(tau_ms, levels.rate_hz, levels.frequency)
+        gain = levels.low_passed(tau_ms)
         found = level_findings(_with(levels, levels.ratio * gain), 0, filtered, flat, False)
         return next(f for f in found if f.effect == "low_pass")
 

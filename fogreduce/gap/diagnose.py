@@ -12,6 +12,7 @@ import numpy as np
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
 from fogreduce.gap import design, where
+from fogreduce.gap.assumptions import assumed
 from fogreduce.gap.bundles import Bundles
 from fogreduce.gap.closure import Closure, measured
 from fogreduce.gap.data import Data, read_data
@@ -116,6 +117,10 @@ def diagnose(
         "unknown_probability": round(verdict.unknown_probability, 6),
         "closure": None if closure is None else _closure(closure),
         "remainder": _remainder(search, verdict),
+        "constant_gyros": [one.document() for one in data.constant],
+        "lost_records": {run.run_id: [run.lost, run.expected] for run in data.full if run.lost},
+        "stamps_jump_s": {run.run_id: run.stamps.jump_s for run in data.full if run.stamps.jump_s},
+        "assumed": assumed(data),
         "next_run": design.next_run(search, verdict) if verdict.named else None,
     }
     effects = [

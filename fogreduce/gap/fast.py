@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.gap.causes import Cause
+from fogreduce.gap.constant import dead_findings
 from fogreduce.gap.converter import converter_findings
 from fogreduce.gap.data import Data
 from fogreduce.gap.findings import Finding
 from fogreduce.gap.lines import line_findings
 from fogreduce.gap.link import link_findings
-from fogreduce.gap.spectrum import correlation_findings, filter_gain, level_findings, levels
+from fogreduce.gap.run_noise import own_level_findings
+from fogreduce.gap.spectrum import correlation_findings, level_findings, levels
 from fogreduce.gap.stamps import stamp_findings
 
 Array = NDArray[np.float64]
@@ -32,24 +34,26 @@ class Fast:
 
     Attributes
     ----------
-    level : (n,) array
+    level : (R, n) array
         White noise at low frequencies over that of the record: what block means scatter with.
     """
 
     def __init__(self, data: Data, allowed: frozenset[str]) -> None:
         self.data, self.allowed = data, allowed
-        self.facts = data.inputs[0].facts
+        self.facts = [one.facts for one in data.inputs]
         n = data.n
         self.link = [
             *link_findings(data.full, allowed, data.noise_counts()),
             *stamp_findings({run.run_id: run.stamps for run in data.full}, allowed),
-            *converter_findings(data.codes, n, allowed, self._step_volts()),
+            *converter_findings(data.codes, n, allowed, self._step()),
+            *dead_findings(data.constant, len(data.inputs), n),
+            *own_level_findings(data.full, data.inputs, data.own_noise, data.stated_white, allowed),
         ]
         bits, colour = data.bits.astype(float), self._colour()
-        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, *colour)
+        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, colour, data.own_noise)
         whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
-        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3) * self._rounding()
-        self._known_lines: dict[tuple[float, ...], list[Finding]] = {}
+        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3) * self._rounding() * data.own_noise
+        self._known_lines: dict[str, list[Finding]] = {}
         lines = self._lines([])
         spoiled: list[list[float]] = [[] for _ in range(n)]
         for line in lines:
@@ -57,7 +61,7 @@ class Fast:
                 hz = line.parameters["frequency_hz"][0] if line.parameters else 0.0
                 for i in range(n):
                     spoiled[i].append(float(hz))
-        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, *colour)
+        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, colour, data.own_noise)
         self.held = [self._held_by_repeats(i) for i in range(n)]
         self.level = self._low_level()
         self._cache: dict[object, list[Finding]] = {}
@@ -67,32 +71,32 @@ class Fast:
         noise = self.data.inputs[0].record.stated_noise
         return np.array(noise.bias_instability_deg_h), np.array(noise.rate_random_walk_deg_h_sqrt_h)
 
-    def _step_volts(self) -> Array:
-        """Of each gyro's converter, the bits that are always 0 left out, (n,)."""
-        return self.facts.least_count * 2.0 ** self.data.bits.astype(float)
+    def _step(self) -> Array:
+        """Widest of each gyro's converter, the bits that are always 0 left out, (n,) [raw unit]."""
+        return max(one.least_count for one in self.facts) * 2.0 ** self.data.bits.astype(float)
 
     def _rounding(self) -> Array:
-        """Noise with the converter's rounding over noise without, (n,): levels are over what both make."""
+        """Noise with the converter's rounding over noise without, (R, n): levels are over what both make."""
         counts = self.data.noise_counts()
         return np.sqrt(1.0 + 4.0 ** self.data.bits.astype(float) / 12.0 / counts**2)
 
     def _low_level(self) -> Array:
-        """Level of the lowest quarter of the spectrum; a filter leaves block means as they are."""
-        if self.levels is None:
-            return np.ones(self.data.n)
-        quarter = max(self.levels.ratio.shape[1] // 4, 4)
+        """Level of the lowest quarter of the spectrum in each run (R, n); a filter leaves block means as they
+        are.
+        """
         out = np.ones(self.data.n)
-        for i in range(self.data.n):
-            keep = self.levels.keep[i, :quarter]
-            part = (self.levels.ratio[i] / self.held[i])[:quarter][keep]
-            if part.size and self.levels.pieces[i] > 0:
-                out[i] = float(np.sqrt(max(np.mean(part), 1e-4)))
+        for i in range(self.data.n if self.levels is not None else 0):
+            assert self.levels is not None
+            keep = self.levels.keep[i] & self.levels.lowest & (self.levels.pieces[i] > 0)
+            if keep.any():
+                part = (self.levels.ratio[i] / self.held[i])[keep]
+                out[i] = float(np.sqrt(max(np.average(part, weights=self.levels.pieces[i, keep]), 1e-4)))
             rivals = frozenset({"low_pass", "angle_random_walk"})
             found = level_findings(self.levels, i, rivals, self.held[i], False)
             best = max(found, key=lambda f: f.log_b, default=None)
             if best is not None and best.effect == "low_pass" and best.log_b > 3.0:
                 out[i] = 1.0
-        return np.clip(out, 0.2, 1e3) * self._rounding()
+        return np.clip(out, 0.2, 1e3) * self._rounding() * self.data.own_noise
 
     def _held_by_repeats(self, i: int) -> Array:
         """Shape of the spectrum of white noise whose samples repeat with the share found: q^|k|
@@ -111,12 +115,11 @@ class Fast:
         shape: Array = (1.0 - q * q) / (1.0 + q * q - 2.0 * q * np.cos(turn))
         return shape
 
-    def _lines(self, taken: Sequence[float]) -> list[Finding]:
-        key = tuple(taken)
+    def _lines(self, taken: Sequence[Finding]) -> list[Finding]:
+        key = repr(sorted((f.runs, f.parameters["frequency_hz"][0]) for f in taken))
         if key not in self._known_lines:
-            self._known_lines[key] = line_findings(
-                self.data.full, self.facts, self.data.stated_white, self.whole, self.allowed, taken
-            )
+            white = self.data.stated_white * self.whole
+            self._known_lines[key] = line_findings(self.data.full, self.facts, white, self.allowed, taken)
         return self._known_lines[key]
 
     def findings(self, causes: Sequence[Cause]) -> list[Finding]:
@@ -136,7 +139,7 @@ class Fast:
             self._cache[key] = [
                 f
                 for f in self._found(mine)
-                if not (f.domain in ("level", "repeats") and moved & set(f.channels))
+                if not (f.domain.split()[0] in ("level", "repeats") and moved & set(f.channels))
                 and not (f.domain == "codes" and clipped & set(f.channels))
                 and not (f.domain == "converter" and wired)
             ]
@@ -145,7 +148,7 @@ class Fast:
     def _found(self, mine: Sequence[Finding]) -> list[Finding]:
         taken = {(f.domain, f.channels) for f in mine}
         out = [f for f in self.link if (f.domain, f.channels) not in taken]
-        out += self._lines([float(f.parameters["frequency_hz"][0]) for f in mine if f.domain == "lines"])
+        out += self._lines([f for f in mine if f.domain.split()[0] == "lines"])
         if self.levels is None:
             return out
         for i in range(self.data.n):
@@ -154,7 +157,7 @@ class Fast:
             for f in here:
                 if f.effect == "low_pass":
                     tau = float(f.parameters["time_constant_ms"][0])
-                    held *= filter_gain(tau, self.facts.sample_rate_hz, self.levels.frequency)
+                    held *= self.levels.low_passed(tau)
             for f in mine:
                 if f.process is not None and f.channels == (f"gyro{i + 1}",):
                     held *= self.levels.beside(*f.process, i)

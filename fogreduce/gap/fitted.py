@@ -75,7 +75,7 @@ def _sought(
         for name in DELAYS.keys() & cause.theta.keys():
             if left(best) <= _FAR * whiten.rows.total:
                 return best
-            span = DELAYS[name] * inputs[0].scene.blocks.length_s
+            span = DELAYS[name] * max(one.scene.blocks.length_s for one in inputs)
             values = [_within(cause, name, cause.theta[name] + share * span) for share in _ABOUT]
             moved = [replace(cause, theta={**cause.theta, name: value}) for value in values]
             best = min(([*best[:k], one, *best[k + 1 :]] for one in moved), key=left)
@@ -168,7 +168,7 @@ def _between_samples(
     cause = causes[which]
     std = dict(cause.std)
     for name in DELAYS.keys() & cause.theta.keys():
-        step = sample_step(inputs[0], name)
+        step = max(sample_step(one, name) for one in inputs)
         left = []
         for shift in (-step, 0.0, step):
             moved = replace(

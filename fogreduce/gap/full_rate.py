@@ -35,8 +35,8 @@ class FullRate:
     run_id : str
     samples, missing, spurious : (n,) arrays
         Samples that count, answers that did not come, counts out of all proportion.
-    lost : int
-        Records that never arrived.
+    lost, expected : int
+        Records that never arrived, of how many.
     spurious_counts : list of (k,) arrays
         The spurious counts of each gyro.
     pairs, repeats : (n,) arrays
@@ -66,6 +66,7 @@ class FullRate:
     missing: Array
     spurious: Array
     lost: int
+    expected: int
     spurious_counts: list[NDArray[np.int64]]
     pairs: Array
     repeats: Array
@@ -104,6 +105,7 @@ def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator)
         missing=samples.missing.sum(axis=1).astype(float),
         spurious=samples.spurious.sum(axis=1).astype(float),
         lost=samples.lost,
+        expected=len(samples.stamp_s),
         spurious_counts=[c[s] for c, s in zip(samples.counts, samples.spurious, strict=True)],
         pairs=pairs,
         repeats=repeats,
@@ -202,6 +204,8 @@ def _ends(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> Array:
     ends = np.empty((len(counts), MOST_BITS + 1))
     for row, here, there in zip(ends, counts, good, strict=True):
         left = here[there & (here != MISSING_COUNT)]
+        if left.size and np.all(left == left[0]):
+            left = left[:0]  # one count all through says nothing of bits
         row[0] = left.size
         for m in range(1, MOST_BITS + 1):
             # those that end in m zeros are among those that end in fewer

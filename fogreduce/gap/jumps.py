@@ -67,18 +67,21 @@ class Record:
         Which of them count.
     weights : (R,) array
         What a level difference of 1 is in each run: 1, or the reading for a scale factor that jumps.
-    background : Background
+    backgrounds : Background of each run
+    length_s : (R,) array
+        Of a block in each run [s].
     """
 
     values: Array
     seen: NDArray[np.bool_]
     weights: Array
-    background: Background
+    backgrounds: Sequence[Background]
+    length_s: Array
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """Runs of all records side by side: y, seen (R, T), level difference (R, G), background (R, 1) each."""
+    """Runs of all records side by side: y, seen (R, T), level difference (R, G), the rest (R, 1) each."""
 
     y: Array
     seen: NDArray[np.bool_]
@@ -86,23 +89,22 @@ class _Rows:
     noise: Array
     variance: Array
     keep: Array
+    length_s: Array
 
 
-def jumps_add(records: Sequence[Record], length_s: float) -> list[float]:
+def jumps_add(records: Sequence[Record]) -> list[float]:
     """Ln likelihood ratio of a telegraph over a Gaussian process of the same covariance, for each record.
 
     Parameters
     ----------
     records : of the same number of blocks
-    length_s : float
-        Of a block [s].
     """
     parts = [_rows(one) for one in records]
     counts = [len(part.y) for part in parts]
     if not sum(counts):
         return [0.0] * len(records)
     rows = _Rows(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(_Rows)))
-    stay = 0.5 * (1.0 + np.exp(-2.0 * length_s / _GRID[:, 0]))
+    stay = 0.5 * (1.0 + np.exp(-2.0 * rows.length_s / _GRID[:, 0]))
     cuts = np.cumsum(counts)[:-1]
     telegraph = np.split(_telegraph(rows, stay), cuts)
     smooth = np.split(_gaussian(rows, 2.0 * stay - 1.0), cuts)
@@ -114,27 +116,32 @@ def jumps_add(records: Sequence[Record], length_s: float) -> list[float]:
 
 def _rows(record: Record) -> _Rows:
     """The runs of a record in which levels as far apart as its variance asks for would show."""
-    seen, weights, b = record.seen, record.weights, record.background
+    seen, weights = record.seen, record.weights
+    sigma, variance, keep = (
+        np.array([[getattr(b, f.name)] for b in record.backgrounds]) for f in fields(Background)
+    )
     count = np.maximum(seen.sum(axis=1, keepdims=True), 1)
     values = np.where(seen, record.values, 0.0)
     y = np.where(seen, values - np.sum(values, axis=1, keepdims=True) / count, 0.0)
-    usual = b.sigma**2 + b.variance
+    usual = sigma**2 + variance
     excess = np.sum(np.where(seen, y**2 - usual, 0.0)) / max(np.sum(seen * weights[:, None] ** 2), 1e-300)
     size = 2.0 * np.sqrt(max(float(excess), 0.0))
     step = np.abs(np.outer(weights, size * _GRID[:, 1]))
-    moved = (step.max(axis=1) > 0.1 * b.sigma) & (size > 0.0)
-    each = np.ones((int(moved.sum()), 1))
-    return _Rows(y[moved], seen[moved], step[moved], b.sigma**2 * each, b.variance * each, b.keep * each)
+    moved = (step.max(axis=1) > 0.1 * sigma[:, 0]) & (size > 0.0)
+    rest = (sigma**2, variance, keep, record.length_s[:, None])
+    return _Rows(y[moved], seen[moved], step[moved], *(column[moved] for column in rest))
 
 
 def _telegraph(rows: _Rows, stay: Array) -> Array:
     """Ln likelihood (R, G): forward sums over both levels, a Kalman filter for the drift on each.
 
+    `stay`: chance (R, G) to stay on a level from one block to the next.
+
     What the drift is on one level is passed on as one mean and variance (interacting multiple models).
     Arrays are (2, R, G, C): the upper level and the lower one, runs, grid, constants.
     """
     noise, variance, keep = (x[:, :, None] for x in (rows.noise, rows.variance, rows.keep))
-    stays = stay[:, None]
+    stays = stay[:, :, None]
     level = np.array([0.5, -0.5])[:, None, None, None] * rows.step[:, :, None]
     level = level + rows.step[:, :, None] * _CONSTANTS
     chance = np.full(level.shape, 0.5)

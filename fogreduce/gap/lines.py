@@ -8,6 +8,7 @@ quadrature) and s the one expected, ``ln L = ln I0(s |z|) - s^2 / 2``.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,32 +31,68 @@ _DRIFTS = 0.05  # of a spectrum's resolution: a real line is not quite steady
 
 def line_findings(
     runs: Sequence[FullRate],
-    facts: RunFacts,
-    stated: Array,
-    level: Array,
+    facts: Sequence[RunFacts],
+    white: Array,
     allowed: frozenset[str],
-    taken_hz: Sequence[float],
+    taken: Sequence[Finding],
 ) -> list[Finding]:
-    """Lines of each gyro and of a motion.
+    """Lines of each gyro and of a motion, in the longest runs of each sample rate.
+
+    A line above half the sample rate shows elsewhere at another rate: runs of one rate have their own lines.
 
     Parameters
     ----------
     runs : statistics
-    facts : RunFacts
-        Of any run.
-    stated, level : (n,) arrays
-        N of the record [deg/sqrt(h)]; the level found over it.
+    facts : RunFacts of each run
+    white : (R, n) array
+        White noise of a sample in each run [deg/sqrt(h)], rounding in it.
     allowed : names of effects
-    taken_hz : sequence of float
+    taken : findings
         Lines that are causes already: they and their neighbours are passed over.
     """
-    sizes = {len(run.line_hz) for run in runs}
-    longest = max(sizes)
-    usable = [run for run in runs if len(run.line_hz) == longest and longest > 0]
-    if not usable:
-        return []
-    hz, n = usable[0].line_hz, facts.n_gyros
-    white = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in stated * level]) * SECONDS_PER_HOUR
+    rates = np.array([one.sample_rate_hz for one in facts])
+    longest = {
+        rate: max(len(run.line_hz) for run, f in zip(runs, facts, strict=True) if f.sample_rate_hz == rate)
+        for rate in rates.tolist()
+    }
+    out: list[Finding] = []
+    for rate, lines in longest.items():
+        here = [
+            r for r, run in enumerate(runs) if rates[r] == rate and len(run.line_hz) == lines and lines > 0
+        ]
+        if not here:
+            continue
+        ids = (
+            ("*",)
+            if len(longest) == 1
+            else tuple(run.run_id for run, other in zip(runs, rates.tolist(), strict=True) if other == rate)
+        )
+        hz = [float(f.parameters["frequency_hz"][0]) for f in taken if f.runs in (ids, ("*",))]
+        for f in _lines_at_one_rate([runs[r] for r in here], facts[here[0]], white[here], allowed, hz):
+            out.append(replace(f, runs=ids, share=f.share / len(longest), domain=_domain(ids)))
+    return out
+
+
+def _domain(runs: tuple[str, ...]) -> str:
+    """The statistic that lines of some runs are found in."""
+    return "lines" if runs == ("*",) else "lines of " + " ".join(runs)
+
+
+def _lines_at_one_rate(
+    usable: Sequence[FullRate],
+    facts: RunFacts,
+    noise: Array,
+    allowed: frozenset[str],
+    taken_hz: Sequence[float],
+) -> list[Finding]:
+    """Lines in runs of one rate and length; `noise`: white noise of each run (R, n) [deg/sqrt(h)]."""
+    hz, n, longest = usable[0].line_hz, facts.n_gyros, len(usable[0].line_hz)
+    each = np.asarray(white_sigma(noise, facts.sample_rate_hz) * SECONDS_PER_HOUR, np.float64)
+    white = np.median(each, axis=0)
+    usable = [
+        run if np.all(one == white) else replace(run, lines=run.lines * (white / one)[:, None])
+        for run, one in zip(usable, each, strict=True)
+    ]
     awake = ~np.array([run.at_rest for run in usable])  # (R, n)
     # |z|^2 of each gyro, summed over runs: (n, L)
     power = np.zeros((n, longest))

@@ -19,6 +19,8 @@ HEALTHY_FAULT = 1e-6
 _FRACTIONS = np.geomspace(1e-6, 0.5, 41)
 _DOUBLE = 0.1  # prior of an unknown cause of what an effect of the catalogue does
 _SPIKE_REACH = 2.0**30
+_FINE = 0.5  # counts of noise from which on neighbours that are equal by chance are few
+_AT_THE_END = 2.0  # records that the end of a capture lacks by the rounding of its length
 
 
 def share_evidence(hits: float, trials: float, base: float) -> tuple[float, float, float]:
@@ -54,10 +56,11 @@ def link_findings(
     ----------
     runs : statistics
     allowed : names of effects
-    noise_counts : (n,) array
-        White noise of a sample in counts.
+    noise_counts : (R, n) array
+        White noise of a sample in counts, in each run.
     """
-    n = len(noise_counts)
+    n = noise_counts.shape[1]
+    yield from _lost_records(runs, n)
     for i in range(n):
         name, share = (gyro_name(i),), 1.0 / n
         samples = sum(float(run.samples[i]) for run in runs)
@@ -79,10 +82,18 @@ def link_findings(
             other = share * (_DOUBLE if effect == "dropouts" and effect in allowed else 1.0)
             yield Finding("unknown", name, ("*",), log_b, snr2, {}, other, feature, "link", feature)
         bits = zero_bits(runs, i)
-        awake = [run for run in runs if not run.at_rest[i]]
-        pairs = sum(float(run.pairs[i]) for run in awake)
-        repeats = sum(float(run.repeats[i]) for run in awake)
-        chance = min(2.0**bits / (2.0 * max(noise_counts[i], 0.3) * np.sqrt(np.pi)), 0.5)
+        # where noise is less than half a step, equal neighbours are no repeats
+        awake = [
+            (run, noise)
+            for run, noise in zip(runs, noise_counts[:, i].tolist(), strict=True)
+            if not run.at_rest[i] and noise > _FINE * 2.0**bits
+        ]
+        pairs = sum(float(run.pairs[i]) for run, _ in awake)
+        repeats = sum(float(run.repeats[i]) for run, _ in awake)
+        equal = sum(
+            float(run.pairs[i]) * min(2.0**bits / (2.0 * noise * np.sqrt(np.pi)), 0.5) for run, noise in awake
+        )
+        chance = equal / max(pairs, 1.0)
         log_b, snr2, value = share_evidence(repeats, pairs, chance)
         std = np.sqrt(max(repeats, 1.0)) / max(pairs, 1.0)
         effect = "stuck_samples" if "stuck_samples" in allowed else "unknown"
@@ -104,6 +115,26 @@ def link_findings(
                 "electronics",
                 "codes",
             )
+
+
+def _lost_records(runs: Sequence[FullRate], n: int) -> Iterator[Finding]:
+    """Records that never arrived, in each run that lacks some: no gyro's doing."""
+    for run in runs:
+        lost = max(float(run.lost) - _AT_THE_END, 0.0)
+        log_b, snr2, _ = share_evidence(lost, float(run.expected), HEALTHY_FAULT)
+        gyros = tuple(gyro_name(i) for i in range(n))
+        yield Finding(
+            "unknown",
+            gyros,
+            (run.run_id,),
+            log_b,
+            snr2,
+            {},
+            1.0 / len(runs),
+            f"records of {run.run_id}",
+            "link",
+            "missing",
+        )
 
 
 def zero_bits(runs: Sequence[FullRate], i: int) -> int:

@@ -54,12 +54,13 @@ def sample_step(one: RunInput, name: str) -> float:
     return DELAYS[name] * one.scene.blocks.edge_step_s(one.facts.sample_rate_hz)
 
 
-def _steps(cause: Cause, name: str, one: RunInput, whole: bool) -> float:
+def _steps(cause: Cause, name: str, inputs: Sequence[RunInput], whole: bool) -> float:
     value = cause.theta[name]
     if name == "time_s":
-        return 0.5 * one.scene.blocks.length_s
+        here = [one for one in inputs if one.facts.run_id in cause.runs] or inputs
+        return 0.5 * max(one.scene.blocks.length_s for one in here)
     if name in DELAYS:
-        return sample_step(one, name) if whole else DELAYS[name] * _INSTANT_S
+        return max(sample_step(one, name) for one in inputs) if whole else DELAYS[name] * _INSTANT_S
     if name in SHAPES:
         return max(abs(value) * SHAPES[name], 1e-9)
     return max(abs(value) * 1e-2, 1e-6)
@@ -82,7 +83,7 @@ def modelled(
             continue
         own = np.zeros(rows.total)
         for name in cause.theta:
-            step = _steps(cause, name, inputs[0], whole)
+            step = _steps(cause, name, inputs, whole)
             moved = replace(cause, theta={**cause.theta, name: cause.theta[name] + step})
             other = [*causes[:k], moved, *causes[k + 1 :]]
             slopes.append((simulated(inputs, other, rows) - at) / step)

@@ -24,6 +24,7 @@ from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.capture import RunInput
 from fogreduce.gap.unlogged import unlogged_covariance
 from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.frames import across
 from fogreduce.physics.noise import flicker_covariance, white_sigma
 
@@ -129,6 +130,19 @@ def block_covariance(
     return covariance
 
 
+def rounding_mean_variance(facts: RunFacts, i: int, white_deg_sqrt_h: float) -> float:
+    """Variance [(deg/h)^2] of what rounding leaves in a steady mean, where the noise is finer than a step.
+
+    A mean at an unknown place in its step q, smeared by noise of sigma, is off by a Fourier series of
+    amplitudes ``q / (pi k) exp(-2 (pi k sigma / q)^2)``, k = 1, 2, ... (Widrow and Kollar, Quantization
+    Noise).
+    """
+    step = facts.least_count / abs(float(facts.scale_factor[i])) * SECONDS_PER_HOUR
+    sigma = float(white_sigma(white_deg_sqrt_h, facts.sample_rate_hz)) * SECONDS_PER_HOUR / step
+    k = np.arange(1.0, 21.0)
+    return float(0.5 * step**2 * np.sum(np.exp(-((2.0 * np.pi * k * sigma) ** 2)) / (np.pi * k) ** 2))
+
+
 def relative(plain: Sequence[Array]) -> list[Array]:
     """Readings (n, blocks) of each run, of the largest that the gyro has in any."""
     largest = np.max([np.abs(p).max(axis=1) for p in plain], axis=0)
@@ -170,8 +184,8 @@ def whitener(
     inputs : runs
     sizes : (n, blocks) arrays
         Samples in each block's mean.
-    level : (n,) array
-        White noise as found over that of the record.
+    level : (n,) or (R, n) array
+        White noise as found over that of the record, of each gyro or of each in each run.
     further : mapping
         (kind, gyro) -> size of a further process; ``gain`` before its kind: it goes with the reading.
     known : dict
@@ -181,13 +195,15 @@ def whitener(
     n = inputs[0].facts.n_gyros
     filters: dict[tuple[int, int], Array] = {}
     known = {} if known is None else known
+    level = np.broadcast_to(level, (len(inputs), n))
     gains = {at for kind, at in further or {} if kind.startswith("gain ")}
     readings = relative([one.scene.block_means() for one in inputs]) if gains else []
     for r, one in enumerate(inputs):
         blocks, rate = one.scene.blocks, one.facts.sample_rate_hz
         for i in range(n):
             full = sizes[r][i].max() if sizes[r][i].size else 0.0
-            key: tuple[object, ...] = (i, blocks.count, blocks.length_s, rate)
+            key: tuple[object, ...] = (i, blocks.count, blocks.length_s, rate, float(level[r, i]))
+            key = (*key, one.facts.least_count)
             usual = blocks.length_s * rate
             near = bool(full > 0) and bool(np.all((sizes[r][i] > 0.9 * usual) | (sizes[r][i] == 0.0)))
             # runs whose blocks are whole in the same places have one filter
@@ -197,12 +213,13 @@ def whitener(
                 key = (*key, readings[r][i].tobytes())
             if key not in known:
                 terms = (
-                    noise.angle_random_walk_deg_sqrt_h[i] * level[i],
+                    noise.angle_random_walk_deg_sqrt_h[i] * float(level[r, i]),
                     noise.bias_instability_deg_h[i],
                     noise.rate_random_walk_deg_h_sqrt_h[i],
                     stated.turn_on_bias_deg_h[i],
                 )
                 covariance = block_covariance(blocks, sizes[r][i], rate, terms)
+                covariance += rounding_mean_variance(one.facts, i, terms[0])
                 for (kind, gyro), size in (further or {}).items():
                     if gyro == i:
                         more = process_covariance(kind.removeprefix("gain "), size, blocks)

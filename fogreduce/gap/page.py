@@ -13,7 +13,7 @@ from fogreduce.effects.table import EFFECTS
 from fogreduce.gap.diagnose import Diagnosis
 from fogreduce.gap.html import document, table
 from fogreduce.gap.page_figures import figures, percent, place
-from fogreduce.gap.words import in_words
+from fogreduce.gap.words import captures_in_words, in_words
 
 _FAR = 10.0  # times what units of this class show: worth a word
 
@@ -53,6 +53,7 @@ def page(diagnosis: Diagnosis, drawn: Mapping[str, str], label: str | None = Non
     if d["next_run"] is not None:
         parts.append(_next_run(d["next_run"]))
     parts.append(_left_out(diagnosis))
+    parts.append(_assumed(d))
     return document(f"{d['campaign']}: diagnosis", parts)
 
 
@@ -89,6 +90,7 @@ def _summary(d: Mapping[str, Any]) -> str:
             f"Probability that there is a gap: {percent(d['gap_probability'])}; that something outside the "
             f"catalogue takes part: {percent(d['unknown_probability'])}."
         )
+    lines += [escape(line) for line in captures_in_words(d)]
     lines.append(f"Runs: {escape(', '.join(d['runs']))}.")
     return '<div class="box">' + "".join(f"<p>{line}</p>" for line in lines) + "</div>"
 
@@ -248,6 +250,24 @@ def _verified(found: Mapping[str, Any]) -> str:
         + table(("if it is", "the diagnosis then says", "probability of the truth", "told apart"), rows)
         + ("" if found["separated"] else "<p>So this run would not tell all of these apart.</p>")
     )
+
+
+def _assumed(d: Mapping[str, Any]) -> str:
+    """Numbers that neither run.yaml nor the calibration record states, on which the verdict rests."""
+    if not d["assumed"]:
+        return ""
+    rows = [
+        [one["of"], one["key"], _value(one["value"]), one["reason"], ", ".join(one["runs"])]
+        for one in d["assumed"]
+    ]
+    return (
+        "<h2>What is assumed</h2><p>The files state none of these. The verdict rests on them; state what is "
+        "known of the unit and of the bench.</p>" + table(("file", "key", "value taken", "why", "runs"), rows)
+    )
+
+
+def _value(value: Any) -> str:
+    return ", ".join(f"{one:.4g}" for one in value) if isinstance(value, list) else f"{value:.4g}"
 
 
 def _left_out(diagnosis: Diagnosis) -> str:

@@ -114,7 +114,7 @@ class Processes:
                 if best[0] > _WORTH:
                     log_b = float(log_mean_exp(np.array([one[0] for one in found])))
                     jumping.append((name, self._record(left, i, kind), log_b, best[1], share * _JUMPS))
-        added = jumps_add([one[1] for one in jumping], self.inputs[0].scene.blocks.length_s)
+        added = jumps_add([one[1] for one in jumping])
         for (place, _, log_b, gain, share), more in zip(jumping, added, strict=True):
             yield _unknown(place, log_b + more, gain + more, share)
 
@@ -188,7 +188,9 @@ class Processes:
             seen[r, :count] = scale > 0.1 * float(np.median(scale))
             if kind.startswith("gain"):
                 weights[r] = float(np.mean(self._shapes.reading[r][i]))
-        return Record(values, seen, weights, self._shapes.inverse(i, 0)[1])
+        lengths = np.array([one.scene.blocks.length_s for one in self.inputs])
+        backgrounds = [self._shapes.inverse(i, r)[1] for r in runs]
+        return Record(values, seen, weights, backgrounds, lengths)
 
     def spread(self, i: int, kind: str) -> tuple[Array, Array]:
         """Variances of the process of unit size at gyro i in its eigenvectors; how many runs share each."""

@@ -247,8 +247,7 @@ class Search:
         merged = [next(fitted) if c.slow else c for c in causes]
         free = Field.of(g.metric.beside(model.slopes), g.y - model.change)
         data = self.data
-        volts = data.noise_counts() * data.inputs[0].facts.least_count
-        codes = g.whiten(converter_means(data.inputs, causes, volts, g.whiten.rows))
+        codes = g.whiten(converter_means(data.inputs, causes, data.noise_raw(), g.whiten.rows))
         shapes = np.column_stack([model.shapes, codes])
         return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, free.gain(shapes))
 
@@ -274,7 +273,7 @@ class Search:
         }
         out = [o for o in out if o.key[0] != "low_pass"]
         for finding in findings:
-            if finding.key in taken and finding.domain != "lines":
+            if finding.key in taken and finding.domain.split()[0] != "lines":
                 continue
             log_b = raw = finding.log_b
             if finding.effect == "low_pass":

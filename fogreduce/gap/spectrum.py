@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -44,10 +44,10 @@ class Levels:
     ----------
     ratio : (n, F) array
         Power over that of the stated white noise, rounding in it.
-    pieces : (n,) array
-        How many spectra were averaged.
+    pieces : (n, F) array
+        How many spectra were averaged in each line.
     frequency : (F,) array
-        As fractions of the sample rate.
+        As fractions of the sample rate; runs of one rate and piece after those of another.
     keep : (n, F) array of bool
         Lines that no spectral line spoils.
     correlation : (n, n) array
@@ -56,9 +56,12 @@ class Levels:
         Independent pairs of numbers behind it.
     stated : (n,) array
         N of the record [deg/sqrt(h)].
-    rate_hz : float
+    rate_hz : (F,) array
+        Sample rate of the runs that each line comes from.
     expected : (n, F) array
-        Power that the record states [(deg/h)^2].
+        Power that the record states [(deg/h)^2], rounding in it.
+    rounding : (n, F) array
+        The part of it that rounding to counts makes.
     """
 
     ratio: Array
@@ -68,8 +71,43 @@ class Levels:
     correlation: Array
     dof: float
     stated: Array
-    rate_hz: float
+    rate_hz: Array
     expected: Array
+    rounding: Array
+
+    @property
+    def lowest(self) -> NDArray[np.bool_]:
+        """Which lines are the lowest quarter of their runs' spectra, (F,)."""
+        starts = np.flatnonzero(np.diff(self.frequency, prepend=np.inf) < 0.0)
+        out = np.zeros(len(self.frequency), bool)
+        for first, stop in pairwise([*starts.tolist(), len(out)]):
+            out[first : min(first + max((stop - first) // 4, 4), stop)] = True
+        return out
+
+    def low_passed(self, tau_ms: float) -> Array:
+        """Power gain (F,) of the simulator's own low pass."""
+        gain = np.empty(len(self.frequency))
+        for rate in np.unique(self.rate_hz).tolist():
+            here = self.rate_hz == rate
+            gain[here] = filter_gain(tau_ms, rate, self.frequency[here])
+        return gain
+
+    def low_passes(self) -> Array:
+        """Power gains (taus, F) of low passes of each of `_TAUS_MS`."""
+        gains = np.empty((len(_TAUS_MS), len(self.frequency)))
+        for rate in np.unique(self.rate_hz).tolist():
+            lines = self.frequency[self.rate_hz == rate]
+            gains[:, self.rate_hz == rate] = _gains(rate, len(lines), lines.tobytes())
+        return gains
+
+    def white_level(self, mean: float, i: int, which: NDArray[np.bool_]) -> float:
+        """N [deg/sqrt(h)] of gyro i whose power in some lines is `mean` times the expected one.
+
+        Rounding goes off once, whatever the level: it is no part of N.
+        """
+        weight = self.pieces[i, which]
+        rounding = float(weight @ (self.rounding[i, which] / self.expected[i, which]) / weight.sum())
+        return float(self.stated[i] * np.sqrt(max(mean - rounding, 1e-12) / max(1.0 - rounding, 1e-12)))
 
     def beside(self, kind: str, size: float, i: int) -> Array:
         """Shape (F,) that a further process gives the spectrum of gyro i; a smooth one does not show."""
@@ -82,68 +120,114 @@ class Levels:
 
 def levels(
     runs: Sequence[FullRate],
-    facts: RunFacts,
+    facts: Sequence[RunFacts],
     stated: Array,
     spoiled_hz: Sequence[Sequence[float]],
     bits: Array,
-    flicker: Array,
-    walk: Array,
+    colour: tuple[Array, Array],
+    own: Array,
 ) -> Levels | None:
-    """Averages over runs; None where runs are too short for a spectrum.
+    """Averages over runs of one rate and piece, one such group after another; None where all are too short.
 
     Parameters
     ----------
     runs : statistics of each run
-    facts : RunFacts
-        Of any run: they share sample rate and calibration here.
+    facts : RunFacts of each run
     stated : (n,) array
         N of the record [deg/sqrt(h)].
     spoiled_hz : for each gyro
         Frequencies of lines, to be left out.
     bits : (n,) array
         Bits that are always 0, whose rounding adds noise.
-    flicker, walk : (n,) arrays
+    colour : two (n,) arrays
         B [deg/h] and K [deg/h/sqrt(h)] of the record.
+    own : (R, n) array
+        Noise of each run over that of the gyro's others, to be divided out.
     """
-    usable = [run for run in runs if run.pieces > 0 and len(run.frequency) == len(runs[0].frequency)]
-    if not usable:
+    groups: dict[tuple[float, int], list[int]] = {}
+    for r, run in enumerate(runs):
+        if run.pieces > 0:
+            groups.setdefault((facts[r].sample_rate_hz, len(run.frequency)), []).append(r)
+    if not groups:
         return None
-    frequency, n = usable[0].frequency, facts.n_gyros
-    white = np.array([float(white_sigma(s, facts.sample_rate_hz)) for s in stated]) * SECONDS_PER_HOUR
-    quantum = facts.least_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
+    parts = [
+        _group([runs[r] for r in members], facts[members[0]], stated, spoiled_hz, bits, colour, own[members])
+        for members in groups.values()
+    ]
+    total = np.sum([products / (1.0 if len(parts) == 1 else size) for _, products, size in parts], axis=0)
+    scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
+    correlation = total / np.outer(scale, scale)
+    np.fill_diagonal(correlation, 1.0)  # also of a gyro that rests in every run
+    each = [part for part, _, _ in parts]
+    return Levels(
+        ratio=np.hstack([part.ratio for part in each]),
+        pieces=np.hstack([part.pieces for part in each]),
+        frequency=np.concatenate([part.frequency for part in each]),
+        keep=np.hstack([part.keep for part in each]),
+        correlation=correlation,
+        dof=sum(part.dof for part in each),
+        stated=stated,
+        rate_hz=np.concatenate([part.rate_hz for part in each]),
+        expected=np.hstack([part.expected for part in each]),
+        rounding=np.hstack([part.rounding for part in each]),
+    )
+
+
+def _group(
+    runs: Sequence[FullRate],
+    facts: RunFacts,
+    stated: Array,
+    spoiled_hz: Sequence[Sequence[float]],
+    bits: Array,
+    colour: tuple[Array, Array],
+    own: Array,
+) -> tuple[Levels, Array, Array]:
+    """Averages over runs of one rate and piece; sums of the gyros' products, and the size of noise's."""
+    frequency, n, rate = runs[0].frequency, facts.n_gyros, facts.sample_rate_hz
+    white = np.array([float(white_sigma(s, rate)) for s in stated]) * SECONDS_PER_HOUR
+    rounding = rounding_variance(facts, bits)
     # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
-    spectral = frequency * facts.sample_rate_hz
-    drifting = _drifting(spectral, flicker[:, None], walk[:, None])
-    expected = (white**2 + quantum**2 / 12.0)[:, None] + 0.5 * facts.sample_rate_hz * drifting
+    drifting = _drifting(frequency * rate, *(size[:, None] for size in colour))
+    expected = (white**2 + rounding)[:, None] + 0.5 * rate * drifting
     power, pieces = np.zeros((n, len(frequency))), np.zeros(n)
     cross = np.zeros((len(frequency), n, n))
-    for run in usable:
+    for run, size in zip(runs, own, strict=True):
         awake = ~run.at_rest
-        power[awake] += run.pieces * run.power[awake]
+        power[awake] += run.pieces * run.power[awake] / size[awake, None] ** 2
         pieces += run.pieces * awake
-        cross += run.pieces * run.cross * np.outer(awake, awake)
-    ratio = power / np.maximum(pieces, 1.0)[:, None] / expected
+        cross += run.pieces * run.cross * (np.outer(awake, awake) / np.outer(size, size))
     keep = np.ones((n, len(frequency)), bool)
     width = 1.6 * (frequency[1] - frequency[0])
     for i, lines in enumerate(spoiled_hz):
         for hz in lines:
-            keep[i] &= np.abs(frequency - hz / facts.sample_rate_hz) > width
+            keep[i] &= np.abs(frequency - hz / rate) > width
     clean = keep.all(axis=0)
-    total = cross[clean].sum(axis=0)
-    scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
-    correlation = total / np.outer(scale, scale)
-    np.fill_diagonal(correlation, 1.0)  # also of a gyro that rests in every run
-    return Levels(
-        ratio,
-        pieces,
-        frequency,
-        keep,
-        correlation,
-        float(sum(run.pieces for run in usable)) * float(clean.sum()),
-        stated,
-        facts.sample_rate_hz,
-        expected,
+    part = Levels(
+        ratio=power / np.maximum(pieces, 1.0)[:, None] / expected,
+        pieces=np.repeat(pieces[:, None], len(frequency), axis=1),
+        frequency=frequency,
+        keep=keep,
+        correlation=np.eye(n),
+        dof=float(sum(run.pieces for run in runs)) * float(clean.sum()),
+        stated=stated,
+        rate_hz=np.full(len(frequency), rate),
+        expected=expected,
+        rounding=np.repeat(rounding[:, None], len(frequency), axis=1),
     )
+    return part, cross[clean].sum(axis=0), np.sqrt(np.outer(white**2 + rounding, white**2 + rounding))
+
+
+def rounding_variance(facts: RunFacts, bits: Array) -> Array:
+    """Variance [(deg/h)^2] that rounding to counts adds to each gyro's samples, (n,): a step's square / 12.
+
+    Parameters
+    ----------
+    facts : RunFacts
+    bits : (n,) array
+        Lowest bits that are always 0: the step is so much wider.
+    """
+    step = facts.least_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
+    return np.asarray(step**2 / 12.0, np.float64)
 
 
 def _drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0.0) -> Array:
@@ -187,6 +271,21 @@ def _profile(mean_ratio: Array, weight: float, spreads: Array) -> Array:
     return result
 
 
+def level_evidence(ratio: float, weight: float) -> tuple[float, float]:
+    """Ln B of a level that is none of the record's, and twice the gain in ln likelihood.
+
+    Parameters
+    ----------
+    ratio : float
+        Power found over power expected.
+    weight : float
+        How many exponential deviates it is the mean of.
+    """
+    nothing = float(_profile(np.array(ratio), weight, np.array([LEVEL_DOUBT]))[0])
+    anything = float(log_mean_exp(_profile(np.array(ratio), weight, _LEVELS)))
+    return anything - nothing, (0.5 * np.log(ratio)) ** 2 / (LEVEL_DOUBT**2 + 0.25 / weight)
+
+
 def level_findings(
     lv: Levels, i: int, allowed: frozenset[str], held: Array, free: bool, filtered: bool = False
 ) -> list[Finding]:
@@ -204,21 +303,20 @@ def level_findings(
     filtered : bool
         Whether a filter is a cause already: a second one is not looked for.
     """
-    keep, pieces = lv.keep[i], float(lv.pieces[i])
-    if pieces == 0 or keep.sum() < 8:
+    keep = lv.keep[i] & (lv.pieces[i] > 0.0)
+    if keep.sum() < 8:
         return []
-    ratio = lv.ratio[i, keep] / held[keep]
-    bins = len(ratio)
-    weight = pieces * bins
+    ratio, pieces = lv.ratio[i, keep] / held[keep], lv.pieces[i, keep]
+    weight = float(pieces.sum())
     name = gyro_name(i)
 
     def best_log(r: Array) -> Array:
         """Ln likelihood (..., F) at the best level."""
-        mean = np.mean(r, axis=-1)
-        return -weight * (np.log(mean) + 1.0)
+        return -weight * (np.log(_mean(r, pieces)) + 1.0)
 
     null_spread = np.array([2.0 if free else LEVEL_DOUBT])
-    nothing = float(best_log(ratio)) + float(_profile(np.mean(ratio), weight, null_spread)[0])
+    mean = float(_mean(ratio, pieces))
+    nothing = float(best_log(ratio)) + float(_profile(np.array(mean), weight, null_spread)[0])
     out: list[Finding] = []
 
     def add(
@@ -246,22 +344,24 @@ def level_findings(
             )
         )
 
-    mean = float(np.mean(ratio))
     found, error = 0.5 * np.log(mean), 0.5 / np.sqrt(weight)
     level_snr2 = found**2 / (LEVEL_DOUBT**2 + error**2)
     if not free:
-        anything = float(best_log(ratio)) + float(log_mean_exp(_profile(np.mean(ratio), weight, _LEVELS)))
-        value = lv.stated[i] * np.exp(found)
+        anything = float(best_log(ratio)) + float(log_mean_exp(_profile(np.array(mean), weight, _LEVELS)))
         if "angle_random_walk" in allowed:
-            std = value * error
+            value = lv.white_level(mean, i, keep)
+            # of the whole power, whose part that is rounding is exact
+            std = (
+                error * mean * (lv.white_level(2.0, i, keep) ** 2 - lv.white_level(1.0, i, keep) ** 2) / value
+            )
             add("angle_random_walk", anything, level_snr2, {"deg_sqrt_h": (value, std)}, "white", "noise")
         else:
             add("unknown", anything, level_snr2, {}, "white", "noise")
     if not filtered:
-        gains = _gains(lv.rate_hz, len(lv.frequency), lv.frequency.tobytes())[:, keep]
+        gains = lv.low_passes()[:, keep]
         under = ratio / gains
-        logs = best_log(under) - pieces * np.log(gains).sum(axis=1)
-        logs = logs + _profile(np.mean(under, axis=1), weight, null_spread)[:, 0]
+        logs = best_log(under) - np.log(gains) @ pieces
+        logs = logs + _profile(_mean(under, pieces), weight, null_spread)[:, 0]
         tau, std = _peak(_TAUS_MS, logs)
         snr2 = 2.0 * max(float(logs.max()) - nothing, 0.0)
         log_z = float(log_mean_exp(logs))
@@ -269,7 +369,8 @@ def level_findings(
             add("low_pass", log_z, snr2, {"time_constant_ms": (tau, std)}, "band", "electronics")
         else:
             add("unknown", log_z, snr2, {}, "band", "noise")
-    q = _bands(ratio, pieces)
+    order = np.argsort((lv.frequency * lv.rate_hz)[keep], kind="stable")
+    q = _bands(ratio[order], pieces[order])
     logs = log_bayes(q, 1)
     best = float(q.max()) if q.size else 0.0
     # the level is that outside the band: as free as it is for nothing wrong
@@ -277,24 +378,26 @@ def level_findings(
     return out
 
 
-def _bands(ratio: Array, pieces: float) -> Array:
-    """Twice the gain in ln likelihood of each band with a level of its own."""
+def _mean(ratio: Array, pieces: Array) -> Array:
+    """Means of ratios (..., F), each line with the weight of its pieces (F,)."""
+    result: Array = (ratio @ pieces) / pieces.sum()
+    return result
+
+
+def _bands(ratio: Array, pieces: Array) -> Array:
+    """Twice the gain in ln likelihood of each band with a level of its own; lines in order of frequency."""
     edges = np.unique(np.linspace(0, len(ratio), _EDGES + 1).astype(int))
-    sums = np.concatenate(([0.0], np.cumsum(ratio)))
+    sums = np.concatenate(([0.0], np.cumsum(pieces * ratio)))
+    weights = np.concatenate(([0.0], np.cumsum(pieces)))
     low, high = np.array(list(combinations(edges.tolist(), 2))).T
-    inside = high - low
-    some = inside < len(ratio)
-    low, high, inside = low[some], high[some], inside[some]
-    within = sums[high] - sums[low]
-    outside = len(ratio) - inside
-    q: Array = (
-        2.0
-        * pieces
-        * (
-            len(ratio) * np.log(sums[-1] / len(ratio))
-            - inside * np.log(within / inside)
-            - outside * np.log((sums[-1] - within) / outside)
-        )
+    some = high - low < len(ratio)
+    low, high = low[some], high[some]
+    within, inside = sums[high] - sums[low], weights[high] - weights[low]
+    outside = weights[-1] - inside
+    q: Array = 2.0 * (
+        weights[-1] * np.log(sums[-1] / weights[-1])
+        - inside * np.log(within / inside)
+        - outside * np.log((sums[-1] - within) / outside)
     )
     return np.maximum(q, 0.0)
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.estimate.sequence import STAMP_TOLERANCE_PULSES, STAMP_TOLERANCE_S
 from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
 
@@ -21,6 +22,9 @@ Array = NDArray[np.float64]
 _STEP_US = 1.0
 #: Of a step, what a staircase may bend by: one step where it bends most.
 _BENDS = 3.0
+#: Stamps that must agree for a jump to last, and how many jumps are looked at.
+_LASTING, _MOST_JUMPS = 8, 200
+_CERTAIN = 50.0  # ln of odds
 
 
 @dataclass(frozen=True)
@@ -35,21 +39,28 @@ class Stamps:
         Its error from whole microseconds.
     bend : float
         Normal deviate of a bend beyond what whole microseconds make.
+    jump_s : float
+        What the stamps jump by, for good, where they jump most: at the start from 0, or later [s].
     """
 
     ppm: float
     ppm_std: float
     rounding_ppm: float
     bend: float
+    jump_s: float = 0.0
 
 
 def stamps(stamp_s: Array, rate_hz: float) -> Stamps:
     """Straight line and bend of stamps (N,) [s], NaN where none is; scatter at least that of rounding."""
-    pulse_s = np.arange(len(stamp_s)) / rate_hz
+    # an interval of a part of a microsecond makes a staircase of its own
+    pulse_s = np.rint(np.arange(len(stamp_s)) * (1e6 / rate_hz / _STEP_US)) * (_STEP_US * 1e-6)
     there = np.isfinite(stamp_s)
     x, y = pulse_s[there], (stamp_s - pulse_s)[there]
     if x.size < 8 or np.ptp(x) == 0.0:
         return Stamps(0.0, np.inf, 0.0, 0.0)
+    jumps = _jumps(y, max(STAMP_TOLERANCE_S, STAMP_TOLERANCE_PULSES / rate_hz))
+    jump = float(jumps[np.argmax(np.abs(jumps))])
+    y = y - np.cumsum(jumps)
     far = np.abs(y - np.median(y))
     near = far <= max(10.0 * float(np.median(far)), 1e-3)
     if not near.all():
@@ -69,7 +80,25 @@ def stamps(stamp_s: Array, rate_hz: float) -> Stamps:
         scatter / np.sqrt(float(u @ u)) / length * 1e6,
         rounding / length * 1e6,
         float(beyond * np.sqrt(bend @ bend) / scatter),
+        jump,
     )
+
+
+def _jumps(late_s: Array, tolerance_s: float) -> Array:
+    """Jumps (N,) [s] of stamps less pulses that last, and by how much the first stamps are off; else 0.
+
+    A stamp that is wrong by itself is none.
+    """
+    jumps = np.zeros(late_s.size)
+    first = float(np.median(late_s[:_LASTING]))
+    if abs(first) > tolerance_s:
+        jumps[0] = first
+    for k in np.flatnonzero(np.abs(np.diff(late_s)) > tolerance_s)[:_MOST_JUMPS].tolist():
+        before = np.median(late_s[max(k + 1 - _LASTING, 0) : k + 1])
+        lasting = float(np.median(late_s[k + 1 : k + 1 + _LASTING]) - before)
+        if abs(lasting) > tolerance_s:
+            jumps[k + 1] = lasting
+    return jumps
 
 
 def stamp_findings(runs: Mapping[str, Stamps], allowed: frozenset[str]) -> Iterator[Finding]:
@@ -80,6 +109,13 @@ def stamp_findings(runs: Mapping[str, Stamps], allowed: frozenset[str]) -> Itera
     runs : run id -> Stamps
     allowed : names of effects
     """
+    for name, one in runs.items():
+        if one.jump_s != 0.0:
+            # no clock does that: the odds are as good as certain, whatever its scatter
+            yield Finding(
+                "unknown", ("clock",), (name,), _CERTAIN, 2.0 * _CERTAIN, {}, 1.0, f"stamps of {name}",
+                "link", "time_stamps",
+            )  # fmt: skip
     known = {name: one for name, one in runs.items() if np.isfinite(one.ppm_std)}
     if not known:
         return

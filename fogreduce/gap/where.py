@@ -116,7 +116,7 @@ def _of_full_rate(findings: Iterable[Finding], run_ids: Sequence[str]) -> list[P
     kept = []
     for domain, mine in domains.items():
         here = sorted(_best(_place(f, run_ids) for f in mine), key=lambda p: -p.sigma)
-        if domain == "lines" and here:
+        if domain.split()[0] == "lines" and here:
             # a motion of all gyros, or lines of some
             moved = max(here, key=lambda p: p.q - 4.0 * (p.stage == "table")).stage == "table"
             here = [p for p in here if (p.stage == "table") == moved]

@@ -61,7 +61,9 @@ def assumed_of_record(record: CalibrationRecord) -> list[Assumed]:
             found.append(_of(record, f"uncertainty.{key}", default, ""))
     for name, default in DEFAULT_NOISE.items():
         if record.noise is None or getattr(record.noise, name) is None:
-            found.append(_of(record, f"noise.{name}", default, "; diagnose estimates it from the captures"))
+            white = name == "angle_random_walk_deg_sqrt_h"
+            more = "; diagnose estimates it from the captures" if white else ""
+            found.append(_of(record, f"noise.{name}", default, more))
     return found
 
 

@@ -34,7 +34,8 @@ def _added(process: Array, rng: np.random.Generator, weights: Array) -> float:
     seen = np.ones(values.shape, bool)
     seen[:, 7] = False
     values[:, 7] = 1e6  # what does not count may be anything
-    return jumps_add([Record(values, seen, weights, Background(1.0, 0.0, 0.0))], 1.0)[0]
+    backgrounds, lengths = [Background(1.0, 0.0, 0.0)] * len(values), np.ones(len(values))
+    return jumps_add([Record(values, seen, weights, backgrounds, lengths)])[0]
 
 
 def test_jumps_are_told_from_a_gaussian_process() -> None:
