@@ -238,8 +238,8 @@ def _rails(
     for samples, run, one in zip(captures, full, inputs, strict=True):
         for i in np.flatnonzero(run.at_rest).tolist():
             good = np.isfinite(samples.residual[i])
-            steady = any(c.run == run.run_id and c.gyro == i for c in constant)
-            if good.any() and not steady:
+            other = any(c.run == run.run_id and c.gyro == i and c.kind != "rail" for c in constant)
+            if good.any() and not other:
                 volts = float(np.median(np.abs(samples.counts[i, good]))) * one.facts.least_count
                 rails[i] = max(rails.get(i, 0.0), volts)
     return rails
