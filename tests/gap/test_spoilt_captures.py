@@ -10,6 +10,8 @@ import pytest
 from bench_lab import ONE_GYRO, RECORD, diagnosed
 from test_mixed_runs import campaign
 
+from fogreduce.cli.main import main
+
 RUNS = [("x", 10.0, 20.0, 100.0), ("x", -10.0, 20.0, 100.0), ("y", 10.0, 20.0, 100.0)]
 QUIET = {
     **ONE_GYRO,
@@ -99,11 +101,18 @@ def test_stamps_that_step_back_are_said_and_located(tmp_path, capsys) -> None:
     assert "r1" in capsys.readouterr().err
 
 
-def test_no_usable_record_is_no_health(tmp_path, capsys) -> None:
-    bench = campaign(tmp_path, ONE_GYRO, RUNS[:1])
-    rewritten(capture(bench, "r0"), lambda f: [f"{float(f[0]) + 1.7e9:.6f}", *f[1:]])
-    from fogreduce.cli.main import main
+def _outside(fields: list[str]) -> list[str]:
+    return [f"{float(fields[0]) + 3600.0:.6f}", *fields[1:]]
 
+
+def _one_alone(fields: list[str]) -> list[str] | None:
+    return fields if fields[0].startswith("7.3") and float(fields[0]) < 7.305 else None
+
+
+@pytest.mark.parametrize("change", [_outside, _one_alone])
+def test_no_usable_record_is_no_health(tmp_path, capsys, change) -> None:
+    bench = campaign(tmp_path, ONE_GYRO, RUNS[:1])
+    rewritten(capture(bench, "r0"), change)
     arguments = ["--calibrations", str(tmp_path / "cal"), "--out", str(tmp_path / "out")]
     assert main(["diagnose", str(bench), *arguments]) == 2
     assert "capture.csv" in capsys.readouterr().err
