@@ -117,6 +117,8 @@ def run_document(pattern: Run, proposal: Proposal, with_log: bool = False) -> di
     data = pattern.model_dump(mode="json", by_alias=True, exclude_none=True)
     for key in ("temperature", "table_log", "notes"):
         data.pop(key, None)
+    if data["capture"].get("time_zero") is not None:
+        data["capture"]["time_zero"] = "first"  # today's epoch is not that of another day's stamps
     if with_log:
         data["temperature"] = "temperature.csv"
     return {
