@@ -95,12 +95,19 @@ def _draw_end(
 def _say_drifts(results: Results, whole: list[Axes], ends: list[Axes]) -> None:
     """Numbers of drift.csv above the panels: those of the whole run where there are several segments."""
     wanted = "all" if len(results.segments) > 1 else "1"
+    # Drift leaves out how far the mean rate is off: the two stand together.
+    offsets = {
+        (row["axis"], row["segment"]): f", mean rate {float(row['difference_deg_h']):+.3g} deg/h off"
+        for row in results.rates
+        if row["difference_deg_h"]
+    }
     for row in results.drift:
         if row["segment"] != wanted or not row["drift_deg_h"]:
             continue
         k = results.setup.axes.index(row["axis"])
         drift = _with_error(row, "drift_deg_h", "drift_err_coloured_deg_h", "drift_err_deg_h")
-        style.note(whole[k], f"drift {drift} deg/h", style.ADJUSTED)
+        offset = offsets.get((row["axis"], wanted), "")
+        style.note(whole[k], f"drift {drift} deg/h{offset}", style.ADJUSTED)
         end = _with_error(row, "final_angle_deg", "accumulated_err_coloured_deg", "accumulated_err_deg")
         style.note(ends[k], f"{end} deg", style.ADJUSTED)
 

@@ -54,6 +54,8 @@ class Results:
         reports/fit.json and reports/ingest.json.
     drift : list of dict
         Rows of tables/drift.csv, as text.
+    rates : list of dict
+        Rows of tables/rates.csv, likewise.
     """
 
     setup: Setup
@@ -62,6 +64,7 @@ class Results:
     fits: Mapping[str, Any]
     ingest: Mapping[str, Any]
     drift: list[dict[str, str]]
+    rates: list[dict[str, str]]
 
     @classmethod
     def read(cls, out: Path) -> Results:
@@ -85,6 +88,7 @@ class Results:
             _report(setup, "fit"),
             _report(setup, "ingest"),
             read_rows(setup.out, "drift", setup.version_id, setup.facts.raw_unit),
+            read_rows(setup.out, "rates", setup.version_id, setup.facts.raw_unit),
         )
 
     @property

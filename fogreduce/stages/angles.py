@@ -75,13 +75,13 @@ def error_angle(segments: Sequence[Segment], axis: str, time_s: Array) -> Array:
     """Angle by the offset-adjusted curve less the commanded one [deg], at times [s], over all segments.
 
     At a segment's end it is the sum of the segments' accumulated errors up to there (drift.csv). NaN
-    before the first segment, after the last, and from the first segment on that has no curve.
+    before the first segment, after the last, and from the first segment on that determines no drift.
     """
     found = np.full(time_s.shape, np.nan)
     before = 0.0
     for segment in segments:
         item = channel_of(segment, axis)
-        if item is None:
+        if item is None or not item["has_slope"]:
             break
         edges = np.array([segment["start_s"], segment["stop_s"]])
         inside = (time_s >= edges[0]) & (time_s <= edges[1])

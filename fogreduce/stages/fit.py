@@ -6,7 +6,6 @@ left out: a stamp rounded to the microsecond, or a table that takes time to chan
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -57,10 +56,15 @@ class Segment:
 
 @dataclass(frozen=True)
 class Rounding:
-    """Variance of what rounding leaves in a channel's mean, and how long it stays like itself [s]."""
+    """Variance of what rounding leaves in a channel's mean, and how long it stays like itself [s].
+
+    `constant` is the variance of what is the same over the whole segment, where the value moves by less than
+    a step.
+    """
 
     variance: float
     time_s: float
+    constant: float
 
 
 @dataclass(frozen=True)
@@ -221,7 +225,8 @@ class Fit:
             fitted = segment.gyros.fit(gyro)
             variance = 0.0 if fitted is None else systematic_variance(step, fitted.sigma)
             moved = 0.0 if fitted is None else float(np.ptp(curve(time_s, fitted.with_rate)))
-            found.append(Rounding(variance, correlation_time(step, moved, duration)))
+            constant = variance if moved < step else 0.0
+            found.append(Rounding(variance, correlation_time(step, moved, duration), constant))
         return found
 
     def _rounding(self, channel: int, of_gyros: list[Rounding]) -> Rounding:
@@ -230,11 +235,10 @@ class Fit:
         if channel < n:
             return of_gyros[channel]
         assert self.facts.projection is not None
-        weights = self.facts.projection[channel - n] / self.facts.scale_factor
-        variance = math.fsum(
-            weight**2 * each.variance for weight, each in zip(weights, of_gyros, strict=True)
-        )
-        return Rounding(variance, max(each.time_s for each in of_gyros))
+        squares = (self.facts.projection[channel - n] / self.facts.scale_factor) ** 2
+        variance = float(squares @ [each.variance for each in of_gyros])
+        constant = float(squares @ [each.constant for each in of_gyros])
+        return Rounding(variance, max(each.time_s for each in of_gyros), constant)
 
     def _channel_fit(
         self, segment: Segment, channel: int, bins: Bins, rounding: Rounding
@@ -298,6 +302,7 @@ class Fit:
         if rounding.variance > 0:
             covariance += correlated_covariance(columns, rounding.variance, rounding.time_s, self.bin_s)
         coloured: Array = basis.to_theta @ covariance @ basis.to_theta.T
+        coloured[0, 0] += rounding.constant
         return coloured, noise
 
 

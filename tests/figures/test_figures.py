@@ -119,6 +119,11 @@ def test_angles_end_where_the_drift_table_ends(campaign, results, run):
         assert error[-1] == pytest.approx(float(row["accumulated_error_deg"]), rel=1e-9, abs=1e-12)
         _, angle = line(end, style.ADJUSTED)
         assert angle[-1] == pytest.approx(float(row["final_angle_deg"]), rel=1e-9, abs=1e-12)
+        (rate,) = [
+            row for row in rows_of(campaign, run, "rates") if row["axis"] == axis and row["segment"] == wanted
+        ]
+        said = f"mean rate {float(rate['difference_deg_h']):+.3g} deg/h off"
+        assert said in whole.get_title(loc="right")
 
 
 def test_measured_angle_ends_at_the_curves(results):
@@ -139,7 +144,7 @@ def test_unstable_intervals_are_shaded(results):
             {"gyro": "gyro3", "start_s": 140.0, "stop_s": 170.0, "noise_ratio": 2.0},
         ]
     }
-    changed = type(run)(run.setup, run.gyros, run.axes, fits, run.ingest, run.drift)
+    changed = type(run)(run.setup, run.gyros, run.axes, fits, run.ingest, run.drift, run.rates)
 
     def shaded(axes):
         return [

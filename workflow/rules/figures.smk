@@ -8,7 +8,7 @@ rule figures:
         bins=run_file("datasets/bins.nc"),
         fit=run_file("reports/fit.json"),
         ingest=run_file("reports/ingest.json"),
-        drift=run_file("tables/drift.csv"),
+        drift=[run_file("tables/drift.csv"), run_file("tables/rates.csv")],
     output:
         directory(run_file("figures")),
     log:
