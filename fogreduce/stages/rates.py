@@ -38,6 +38,9 @@ CHANCE = 1e-4
 #: A difference of this part of the largest commanded rate, and more than Earth's rate, is gross.
 _GROSS = 0.1
 
+#: A mistake is looked for in so many segments, which takes a second or two; more of them tell it no better.
+_MOST_SEGMENTS = 12
+
 OK, FLAG, GROSS, NONE = "ok", "flag", "gross", "none"
 
 #: A segment or a channel of the fits.
@@ -82,7 +85,8 @@ def rate_rows(
     verdicts = _verdicts(facts, differences)
     words = ""
     if any(verdict in (FLAG, GROSS) for verdict in verdicts.values()):
-        words = " or ".join(likely_mistakes(facts, stated, _measured(facts, fits, gyros)))
+        off = _most_off(fits, differences)
+        words = " or ".join(likely_mistakes(facts, stated, _measured(facts, off, gyros)))
     absent = [gyro for gyro in gyros if not any(gyro in found for found in curves)]
     return [
         _row(key, difference, *_said(facts, verdicts[key], words, absent, difference), version_id)
@@ -161,9 +165,20 @@ def _verdicts(facts: RunFacts, differences: Differences) -> dict[tuple[str, int 
     return verdicts
 
 
-def _measured(facts: RunFacts, fits: Mapping[str, Any], gyros: Sequence[str]) -> list[MeasuredSegment]:
+def _most_off(fits: Mapping[str, Any], differences: Differences) -> list[Item]:
+    """The segments that are farthest off, at most `_MOST_SEGMENTS`, in order."""
+    off: dict[int | str, float] = {}
+    for (_, number), part in differences.items():
+        for sigma in (abs(part.sigma), part.sine_sigma):
+            if sigma > off.get(number, 0.0):  # never where it is NaN: no record, or no sine
+                off[number] = sigma
+    chosen = sorted(fits["segments"], key=lambda segment: off.get(segment["segment"], 0.0), reverse=True)
+    return sorted(chosen[:_MOST_SEGMENTS], key=lambda segment: int(segment["segment"]))
+
+
+def _measured(facts: RunFacts, segments: Sequence[Item], gyros: Sequence[str]) -> list[MeasuredSegment]:
     found = []
-    for segment in fits["segments"]:
+    for segment in segments:
         curves = [
             MeasuredCurve(
                 gyros.index(item["channel"]), np.array(item["theta"]), _noises(item)[-1], item["has_sine"]
