@@ -63,9 +63,10 @@ def _of_gyros(
     turning = [bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs]
     warm = all(one.scene.temperature is not None for one in inputs)
     longest = max(one.scene.blocks.count * one.scene.blocks.length_s for one in inputs)
+    coarsest = max(one.scene.blocks.length_s for one in inputs)
     shapes = {
-        "periods": lambda one: _periods(one, longest),
-        "sawteeth": lambda one: sawteeth(one.scene.blocks, longest),
+        "periods": lambda one: _periods(one, longest, coarsest),
+        "sawteeth": lambda one: sawteeth(one.scene.blocks, longest, coarsest),
         "recoveries": lambda one: recoveries(one.scene.blocks),
     }
     plainly: dict[tuple[object, ...], Array] = {}
@@ -204,11 +205,13 @@ def _bumps(reading: Sequence[Array]) -> list[Array]:
     return [np.column_stack([np.interp(m, edges, unit) for unit in np.eye(len(edges))[1:]]) for m in reading]
 
 
-def _periods(one: RunInput, longest_s: float) -> Array:
-    """Cosine and sine of the time since the run's start, for each of many periods, (blocks, periods, 2)."""
+def _periods(one: RunInput, longest_s: float, coarsest_s: float) -> Array:
+    """Cosine and sine of the time since the run's start, for each of many periods, (blocks, periods, 2).
+
+    `longest_s`: of all runs; `coarsest_s`: the longest block of any.
+    """
     blocks = one.scene.blocks
-    shortest = 4.0 * blocks.length_s
-    cycles = np.arange(1.5, min(longest_s / shortest, _MOST_CYCLES), 0.5)
+    cycles = np.arange(1.5, min(longest_s / (4.0 * coarsest_s), _MOST_CYCLES), 0.5)
     turn = 2.0 * np.pi * np.outer(blocks.centre_s / longest_s, cycles)
     return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
 

@@ -42,11 +42,13 @@ def after_effects(kernels: Array, cause: Array) -> Array:
     return result
 
 
-def sawteeth(blocks: Blocks, longest_s: float) -> Array:
-    """What creeps up and falls back at regular intervals from the run's start on."""
-    shortest = 4.0 * blocks.length_s
+def sawteeth(blocks: Blocks, longest_s: float, coarsest_s: float) -> Array:
+    """What creeps up and falls back at regular intervals from the run's start on.
+
+    `longest_s`: of all runs; `coarsest_s`: the longest block of any.
+    """
     cycles = np.concatenate([_FEW, _MANY])
-    cycles = cycles[cycles < max(longest_s / shortest, 3.0)]
+    cycles = cycles[cycles < max(longest_s / (4.0 * coarsest_s), 3.0)]
     turns = np.outer(blocks.centre_s / longest_s, cycles)
     half = 0.5 * blocks.length_s / longest_s * cycles
     # the mean over a block that holds the fall: of the two parts' integrals

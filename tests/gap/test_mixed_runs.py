@@ -54,6 +54,7 @@ def campaign(
         (RECORD, 10.0, 100.0, 100.0),
         (RECORD, 0.5, 1.0, 1000.0),
         (RECORD, 1.0, 1.001, 1000.0),
+        (RECORD, 0.5, 1.0, 300.0),
     ],
 )
 def test_runs_at_two_rates_with_nothing_wrong(tmp_path, record, first, second, seconds) -> None:
@@ -87,6 +88,23 @@ def test_a_gyro_three_times_as_noisy_in_one_run(tmp_path, record) -> None:
     assert (cause["effect"], cause["channels"], cause["runs"]) == ("angle_random_walk", ["gyro1"], ["r1"])
     number = cause["parameters"]["deg_sqrt_h"]
     assert number["value"] == pytest.approx(3.0 * stated, abs=3.0 * number["std"])
+
+
+def ramp(deg_h_per_h: float) -> dict[str, Any]:
+    return {
+        "effect": "bias_ramp",
+        "channels": ["gyro1"],
+        "runs": ["*"],
+        "parameters": {"deg_h_per_h": deg_h_per_h},
+    }
+
+
+def test_a_ramp_in_runs_at_two_rates(tmp_path) -> None:
+    runs = [("x", 10.0, 60.0, 64.0), ("x", -10.0, 60.0, 128.0), ("y", 10.0, 60.0, 64.0)]
+    found = diagnosed(tmp_path, campaign(tmp_path, RECORD, runs, [ramp(300.0)]))
+    assert found["verdict"] == "explained"
+    (cause,) = found["causes"]
+    assert (cause["effect"], cause["channels"]) == ("bias_ramp", ["gyro1"])
 
 
 COARSE = {**ONE_GYRO, "scale_factor_V_per_deg_s": [1.0], "bias_V": [0.0]}

@@ -29,7 +29,7 @@ def test_sawteeth_have_the_mean_over_a_block() -> None:
     cycles, k = 3.0, 8
     fine = (np.arange(COUNT * 500) + 0.5) / 500.0
     plain = ((cycles * fine / COUNT) % 1.0 - 0.5).reshape(COUNT, 500).mean(axis=1)
-    assert np.allclose(sawteeth(BLOCKS, float(COUNT))[:, k, 0], plain, atol=2e-3)
+    assert np.allclose(sawteeth(BLOCKS, float(COUNT), 1.0)[:, k, 0], plain, atol=2e-3)
 
 
 def test_steps_are_whitened_units_from_each_block_on() -> None:
