@@ -15,7 +15,7 @@ LAYERS = [
     {"constants", "units", "errors"},
     {"physics"},
     {"metadata", "datasets", "estimate", "effects"},
-    {"stages", "simulate", "gap", "archive", "figures", "pages", "calibrate"},
+    {"stages", "simulate", "gap", "archive", "figures", "pages", "calibrate", "guess"},
     {"cli", "warm"},
 ]
 

@@ -1,4 +1,4 @@
-"""``fogreduce init``: start a run.yaml from what a capture says of itself; the rest is marked TODO."""
+"""``fogreduce init``: a campaign from loggers' files, or a run.yaml from a header; the rest is marked TODO."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from fogreduce.cli.stated import add_stated, bench_of, stated_of
 from fogreduce.errors import BadInput
 
-HELP = "start a commented run.yaml from a capture's header or a CSV's columns"
+HELP = "begin a campaign from a logger's files of any format, or a run.yaml from a capture's header"
 
 TODO = "TODO"
 #: Lines of a CSV that are read at a time.
@@ -21,16 +22,62 @@ _RECORDS = 1 << 16
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="capture file (fogcap-1 or csv-1)")
     parser.add_argument(
-        "--out", metavar="FILE", type=Path, help="file to write (default: run.yaml beside the capture)"
+        "files",
+        metavar="FILE",
+        type=Path,
+        nargs="+",
+        help="a logger's file of any format, or a folder of them",
     )
+    parser.add_argument(
+        "--out",
+        metavar="PATH",
+        type=Path,
+        help="the campaign's new folder (default: the first file's name, beside it); of a single fogcap-1 or "
+        "csv-1 capture the run.yaml (default: beside the capture)",
+    )
+    add_stated(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the file; an existing one is never touched."""
-    out = args.out or args.capture.parent / "run.yaml"
-    text = run_yaml_text(args.capture.name, known_of(args.capture), out.absolute().parent)
+    """Write what is asked for; an existing file is never touched."""
+    if _is_capture(args):
+        return _begin_run(args.files[0], args.out)
+    from fogreduce.guess.campaign import begin_campaign, files_of
+
+    files = files_of(args.files)
+    stated, bench = stated_of(args), bench_of(args)
+    first = args.files[0].absolute()
+    out = args.out or first.parent / f"{first.name.split('.')[0]}-campaign"
+    folders = begin_campaign(files, out, stated, bench)
+    todo = sum(TODO in line.split("#")[0] for line in (folders[0] / "run.yaml").read_text().splitlines())
+    print(f"{out}: {len(folders)} run{'s' if len(folders) > 1 else ''}, and the record of an ideal unit")
+    left = (
+        f"{todo} lines marked {TODO} at the top of each run.yaml; fill them in, then run" if todo else "next"
+    )
+    command = shlex.join(["fogreduce", "check", str(out), "--calibrations", str(out / "calibrations")])
+    print(f"{left}: {command}")
+    return 0
+
+
+def _is_capture(args: argparse.Namespace) -> bool:
+    """Whether a run.yaml alone is wanted: of one fogcap-1 or csv-1 capture, and no folder to make."""
+    if len(args.files) != 1 or args.files[0].is_dir() or vars(stated_of(args)) != vars(stated_of(None)):
+        return False
+    if args.out is not None:
+        return args.out.suffix in (".yaml", ".yml")
+    from fogreduce.guess.capture import format_of
+
+    try:
+        return format_of(args.files[0]) in ("fogcap-1", "csv-1")
+    except BadInput:
+        return True  # its reader says what is wrong
+
+
+def _begin_run(capture: Path, out: Path | None) -> int:
+    """A run.yaml from a capture's header."""
+    out = out or capture.parent / "run.yaml"
+    text = run_yaml_text(capture.name, known_of(capture), out.absolute().parent)
     _write_new(out, text)
     todo = sum(TODO in line.split("#")[0] for line in text.splitlines())
     print(f"{out}: {todo} lines marked {TODO}; fill them in, then run: {_check_command(out.parent)}")

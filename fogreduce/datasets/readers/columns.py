@@ -38,6 +38,15 @@ class ColumnsReader:
         The `capture` block of run.yaml, validated plain data.
     start_us : int
         The run's start, microseconds since 1970-01-01T00:00:00Z.
+
+    Attributes
+    ----------
+    names : sequence of str
+        The columns'.
+    units : dict
+        Units that the file states beside the names, by name.
+    sample_rate_hz, first_us : float, int or None
+        Sample rate and instant of the first record (microseconds since 1970), where the file states them.
     """
 
     def __init__(self, path: Path, capture: Mapping[str, Any], start_us: int) -> None:
@@ -46,6 +55,8 @@ class ColumnsReader:
         self.torn_bytes = 0
         self.n_records = 0
         self.sample_rate_hz: float | None = None
+        self.units: dict[str, str] = {}
+        self.first_us: int | None = None
         self._start_us = start_us
         self.names: Sequence[str] = self._open()
         if self.n_records == 0:
@@ -89,6 +100,10 @@ class ColumnsReader:
         chosen = chosen if self._time is None else [*chosen, self._time]
         for _, time_us, values in self._stamped(chosen, size):
             yield time_us, values
+
+    def first_values(self, column: str | int, count: int) -> NDArray[Any]:
+        """The first values of a column, as they stand there."""
+        return next(iter(self._chunks([self._index(column, "columns")], count)))[0][:count]
 
     def _stamped(
         self, chosen: Sequence[int], size: int

@@ -41,7 +41,12 @@ def list_columns(reader: ColumnsReader) -> list[ArrayColumn]:
 
     def visit(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and not item.external:
-            found.extend(columns_of(name, item))
+            columns = columns_of(name, item)
+            found.extend(columns)
+            unit = item.attrs.get("units", item.attrs.get("unit", ""))
+            text = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else unit
+            if isinstance(text, str) and text:
+                reader.units.update({column.name: text for column in columns})
 
     try:
         file.visititems(visit)

@@ -36,6 +36,11 @@ class TdmsReader(ColumnsReader):
                         ArrayColumn(f"{group.name}/{channel.name}", len(channel), _reader(channel))
                     )
                     increments.add(channel.properties.get("wf_increment"))
+                    started = channel.properties.get("wf_start_time")
+                    if isinstance(started, np.datetime64) and not np.isnat(started):
+                        self.first_us = int(started.astype("datetime64[us]").astype(np.int64))
+                    if unit := channel.properties.get("unit_string"):
+                        self.units[f"{group.name}/{channel.name}"] = str(unit)
         self._columns = of_one_length(columns, self.capture, self.path)
         self.n_records = self._columns[0].records if self._columns else 0
         increment = increments.pop() if len(increments) == 1 else None
