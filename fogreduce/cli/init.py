@@ -1,4 +1,4 @@
-"""``fogreduce init``: a campaign from loggers' files, or a run.yaml from a header; the rest is marked TODO."""
+"""``fogreduce init``: a campaign from loggers' files, or a run.yaml from a header; the rest is left TODO."""
 
 from __future__ import annotations
 
