@@ -80,6 +80,7 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "flags": [flag(kind, value) for kind, value in seen["flagged"].items()],
         "places": _places(folder, version),
         "unstable": tables["unstable"],
+        "undetermined": _undetermined(tables),
         "rate_fit": _fit_rows(tables["rate_fit"], "axis", "deg_s", "deg_s2"),
         "gyro_fit": _fit_rows(tables["gyro_fit"], "gyro", raw_unit.suffix, raw_unit.slope_suffix),
         "raw_unit": raw_unit,
@@ -213,6 +214,16 @@ def _chart(seen: dict[str, Any]) -> Any:
     if not panels:
         return None
     return svg.points(panels, list(enumerate(names)), f"In deg/h with standard errors: {'. '.join(said)}")
+
+
+def _undetermined(tables: dict[str, list[Row]]) -> list[list[str]]:
+    """Channel, segment, and which parameters of its curve the record does not determine, with the reason."""
+    return [
+        [row[name], row["segment"], row["undetermined"]]
+        for table, name in (("rate_fit", "axis"), ("gyro_fit", "gyro"))
+        for row in tables[table]
+        if row["undetermined"]
+    ]
 
 
 def _fit_rows(rows: list[Row], name: str, unit: str, slope: str) -> list[list[str]]:

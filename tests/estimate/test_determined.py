@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fogreduce.cli.main import main
 from fogreduce.estimate.determined import why_undetermined
 from fogreduce.estimate.mean_curve import CurveBasis, CurveSums
 
@@ -25,6 +26,14 @@ def test_a_turn_too_short_for_its_sine(bench, turn_deg: float) -> None:
     for row in reduced.table("drift"):
         assert float(row["drift_err_coloured_deg_h"]) < 1.0
         assert abs(float(row["drift_deg_h"])) < 4 * float(row["drift_err_coloured_deg_h"])
+
+
+def test_the_page_says_so(bench) -> None:
+    reduced = bench.reduce(bench.run(n=3, profile=((0.005, 120.0),), sample_rate_hz=16.0))
+    assert main(["page", "run", str(reduced.out)]) == 0
+    page = (reduced.out / "index.html").read_text()
+    assert "Parameters that the record does not determine" in page
+    assert "b and d: 0.6 deg of turn" in page
 
 
 @pytest.mark.parametrize("turn_deg", [90.0, 360.0])
