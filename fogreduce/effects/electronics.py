@@ -1,4 +1,4 @@
-"""Effects of the electronics: on raw volts, and on the bits of a count."""
+"""Effects of the electronics: on raw readings, and on the bits of a count."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class Stage(IntEnum):
     LATENCY = 6  #: age of the gyro's answer [s], a number
     NOISE = 7  #: `fogreduce.effects.noise.NoiseLevels` of the gyro
     INTERFERENCE = 8  #: what is added to the noise [deg/s], (N,)
-    FILTER = 9  #: raw volts v_i [V], (N,)
+    FILTER = 9  #: raw readings v_i [raw unit], (N,)
     CONVERTER = 10  #: v_i [V], (N,)
     CLIPPING = 11  #: v_i [V], (N,)
     BITS = 12  #: counts, (N,) int32

@@ -39,9 +39,9 @@ _STAGES = {
     Stage.LATENCY: "the age of the whole answer",
     Stage.NOISE: "the noise",
     Stage.INTERFERENCE: "what is added with the noise",
-    Stage.FILTER: "raw volts, after noise",
-    Stage.CONVERTER: "raw volts, after the filter",
-    Stage.CLIPPING: "raw volts, before rounding to counts",
+    Stage.FILTER: "raw readings, after noise",
+    Stage.CONVERTER: "raw readings, after the filter",
+    Stage.CLIPPING: "raw readings, before rounding to counts",
     Stage.BITS: "counts, after rounding",
     Stage.REPEATS: "counts, after lost bits",
     Stage.SPIKES: "counts, after repeats",
@@ -56,12 +56,12 @@ _HEAD = """# The catalogue of effects
 
 Each effect is a departure from the chain of a capture (metadata and calibration record forward to counts).
 `fogreduce simulate --effects FILE` puts them in; a diagnosis speaks of them by these names. Symbols: `M_i` is
-what gyro i reads [deg/s], `G_i` the direction of its input axis in the unit frame, `v_i` its raw volts,
+what gyro i reads [deg/s], `G_i` the direction of its input axis in the unit frame, `v_i` its raw reading,
 `alpha` the table's angle, `w` the unit's rate, `R u0` takes a direction fixed in the room into the unit
 frame, `t` is the time since the run's start. Angles in formulas are in radians.
 
 They act in this order: table, site, mounting; axes; additive biases; scale factor effects; crosstalk; dead
-zone; volts and polarity; noise and interference; low pass; converter; saturation; rounding; lost bits;
+zone; scale, bias and polarity; noise and interference; low pass; converter; saturation; rounding; lost bits;
 repeats; spurious counts; missing answers; columns and polarity; stamps. Filters and latencies see, before
 t = 0, the reading at t = 0. A parameter that is off (its value in the column "off") leaves every bit of a
 capture as it is.

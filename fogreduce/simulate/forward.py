@@ -155,7 +155,7 @@ class ForwardRun:
         return readings
 
     def volts(self, readings: Array) -> Array:
-        """Raw volts of readings [deg/s], before noise and electronics: (n, N) [V]."""
+        """Raw output for readings [deg/s], before noise and electronics: (n, N) [raw unit]."""
         facts = self.facts
         return raw_from_rate(readings, facts.scale_factor, facts.bias, facts.polarity)
 
