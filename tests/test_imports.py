@@ -14,7 +14,7 @@ import pytest
 LAYERS = [
     {"constants", "units", "errors"},
     {"physics"},
-    {"metadata", "datasets", "estimate", "effects"},
+    {"metadata", "datasets", "estimate", "effects", "plausibility"},
     {"stages", "simulate", "gap", "archive", "figures", "pages", "calibrate", "guess"},
     {"cli", "warm"},
 ]

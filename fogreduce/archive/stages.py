@@ -35,10 +35,16 @@ _BIASES = tuple(unit.bias_key for unit in UNITS_IN_USE.values())
 STAGES = {
     "ingest": StageFacts(
         ("inputs",),
-        ("datasets/ingest.nc", "reports/ingest.json", "tables/quality.csv", "tables/encoder.csv"),
+        (
+            "datasets/ingest.nc",
+            "reports/ingest.json",
+            "tables/quality.csv",
+            "tables/encoder.csv",
+            "tables/warnings.csv",
+        ),
         ("block_records", "outliers"),
         ("capture", "table"),
-        (*_SCALE_FACTORS, "noise"),
+        (*_SCALE_FACTORS, *_BIASES, "H", "axes", "noise"),
     ),
     "calibrate": StageFacts(
         ("datasets/ingest.nc",),
@@ -82,6 +88,7 @@ STAGES = {
 _WITHOUT = {
     "quality.csv": ("calibrate", "project", "remove_earth", "fit", "drift"),
     "encoder.csv": ("calibrate", "project", "remove_earth", "fit", "drift"),
+    "warnings.csv": ("calibrate", "project", "remove_earth", "fit", "drift"),
     "gyro_fit.csv": ("calibrate", "project", "remove_earth", "drift"),
     "unstable.csv": ("calibrate", "project", "remove_earth", "drift"),
     "rate_fit.csv": ("drift",),

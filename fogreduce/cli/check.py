@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fogreduce.metadata.calibration import CalibrationRecord
     from fogreduce.metadata.run import Run
 
-#: Lines of a capture that are read at a time.
+#: Records of a capture that are read at a time.
 _RECORDS = 1 << 16
 
 HELP = "validate a run, a campaign or a calibration record: every fault, with file, key and reason"
@@ -32,17 +32,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Check what `args.path` is; a summary on standard output, or BadInput with every fault."""
-    faults: list[Fault] = []
+    faults = Faults()
     summary = _checker_of(args.path)(args.path, args.calibrations, faults)
+    for warning in faults.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
     if faults:
         raise BadInput(*dict.fromkeys(faults))  # a record's faults come up once for every run that names it
-    print(f"{args.path}: no faults; {summary}")
+    number = len(faults.warnings)
+    warned = f", {number} warning{'' if number == 1 else 's'}" if number else ""
+    print(f"{args.path}: no faults{warned}; {summary}")
     for line in assumed_lines(args.path, args.calibrations):
         print(f"  {line}")
     return 0
 
 
-Checker = Callable[[Path, Path, list[Fault]], str]
+class Faults(list[Fault]):
+    """Every fault found so far, and the warnings, which are none."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.warnings: list[Fault] = []
+
+
+Checker = Callable[[Path, Path, Faults], str]
 
 
 def _checker_of(path: Path) -> Checker:
@@ -61,7 +73,7 @@ def _checker_of(path: Path) -> Checker:
     return _check_run if path.name == "run.yaml" else _check_file
 
 
-def _check_file(path: Path, calibrations: Path, faults: list[Fault]) -> str:
+def _check_file(path: Path, calibrations: Path, faults: Faults) -> str:
     """One metadata file, by its schema; a calibration record unless it says otherwise."""
     from fogreduce.metadata.campaign import Campaign
     from fogreduce.metadata.curves import Curves
@@ -78,7 +90,7 @@ def _check_file(path: Path, calibrations: Path, faults: list[Fault]) -> str:
     return f"calibration record of {record.n} gyros" if record else ""
 
 
-def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
+def _check_campaign(path: Path, calibrations: Path, faults: Faults) -> str:
     """campaign.yaml, what it names, and all runs."""
     from fogreduce.archive.names import faults_of_names, plain_files
     from fogreduce.metadata.curves import Curves
@@ -100,7 +112,7 @@ def _check_campaign(path: Path, calibrations: Path, faults: list[Fault]) -> str:
     return f"{len(runs)} run{'s' if len(runs) > 1 else ''}"
 
 
-def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capture: bool = True) -> str:
+def _check_run(path: Path, calibrations: Path, faults: Faults, *, need_capture: bool = True) -> str:
     """run.yaml, the files it names, its calibration record and its capture's header."""
     from fogreduce.metadata.folder import cross_check, load_calibration, load_run, named_calibration
     from fogreduce.physics.raw_quantity import unit_in_use
@@ -115,13 +127,15 @@ def _check_run(path: Path, calibrations: Path, faults: list[Fault], *, need_capt
     record = loaded[0]
     _collect(faults, cross_check, run, record, path / "run.yaml")
     in_one_unit = unit_in_use(run.capture.raw_unit) == record.raw_unit
-    if in_one_unit and (path / run.capture.file).exists():
-        _collect(faults, _check_capture, path / run.capture.file, run, record)
+    before = len(faults)
     _check_logs(path, run, faults)
+    if in_one_unit and (path / run.capture.file).exists():
+        with_logs = len(faults) == before
+        faults.warnings += _collect(faults, _check_capture, path, run, record, with_logs=with_logs) or []
     return f"{record.n} gyros, {run.n_expected} records expected, calibration {run.calibration}"
 
 
-def _left_to_do(path: Path, faults: list[Fault]) -> None:
+def _left_to_do(path: Path, faults: Faults) -> None:
     """Values that `fogreduce init` left to be filled in and that may pass for what is asked for, a name."""
     from fogreduce.cli.init import TODO
     from fogreduce.metadata.yaml12 import load_yaml
@@ -136,22 +150,29 @@ def _left_to_do(path: Path, faults: list[Fault]) -> None:
             faults.append(Fault(str(path), key, TODO, "the value itself, filled in"))
 
 
-def _check_capture(path: Path, run: Run, record: CalibrationRecord) -> None:
-    """The capture's header against run.yaml and the record; of text, which anyone may edit, every line."""
-    from fogreduce.datasets.readers import csv1, open_capture
+def _check_capture(folder: Path, run: Run, record: CalibrationRecord, *, with_logs: bool) -> list[Fault]:
+    """The capture against run.yaml and the record, header and records; warnings about it and its logs."""
+    from fogreduce.datasets.readers import open_capture
     from fogreduce.datasets.readers.contradictions import contradictions
+    from fogreduce.metadata.config import OutliersConfig
     from fogreduce.metadata.facts import RunFacts
+    from fogreduce.stages.ingest import Ingest
+    from fogreduce.stages.look import look
 
-    capture = open_capture(path, run.capture.model_dump(mode="json"), run.start_us)
-    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    path, plain = folder / run.capture.file, run.model_dump(mode="json")
+    facts = RunFacts.of(plain, record.model_dump(mode="json"))
+    capture = open_capture(path, plain["capture"], run.start_us)
     if wrong := contradictions(capture.facts, facts, path):
         raise BadInput(*wrong)
-    if run.capture.format == csv1.FORMAT:
-        for _ in capture.blocks(_RECORDS):
-            pass  # a line that is no record is refused as it is read
+    ingest = Ingest(facts, OutliersConfig().threshold_sigma)
+    for _ in ingest.blocks(capture, _RECORDS):
+        pass
+    if not with_logs:  # they are bad, which is said already
+        return []
+    return [finding.fault(str(folder)) for finding in look(facts, plain, ingest.report(capture), folder)]
 
 
-def _check_logs(path: Path, run: Run, faults: list[Fault]) -> None:
+def _check_logs(path: Path, run: Run, faults: Faults) -> None:
     """The logs beside the capture, line by line."""
     from fogreduce.datasets.run_logs import table_log_of, temperatures_of
 
@@ -170,7 +191,7 @@ def _with_progress(runs: list[Path]) -> Iterable[Path]:
     return bar
 
 
-def _collect(faults: list[Fault], function: Callable[..., Any], *args: object, **options: object) -> Any:
+def _collect(faults: Faults, function: Callable[..., Any], *args: object, **options: object) -> Any:
     """Call `function`; where its input is bad, keep the faults and return None."""
     try:
         return function(*args, **options)

@@ -86,6 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.archive.outdated import refuse_another_run, remove_outdated
     from fogreduce.cli.flags import say_red_flags
     from fogreduce.cli.progress import progress
+    from fogreduce.cli.warnings import print_warnings, summary_line
     from fogreduce.stages.files import write_json
     from fogreduce.stages.run import reduce_run
     from fogreduce.stages.setup import MANIFEST, Setup
@@ -97,4 +98,6 @@ def run(arguments: argparse.Namespace) -> int:
     remove_outdated(arguments.out, setup.version_id)
     write_json(arguments.out / MANIFEST, setup.manifest)
     say_red_flags(setup)
+    warnings = print_warnings(setup, arguments.run)
+    print(f"{arguments.run}: {summary_line(setup, warnings)}")
     return 0

@@ -29,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the stage."""
     from fogreduce.cli.progress import progress
+    from fogreduce.cli.warnings import print_warnings
     from fogreduce.errors import BadInput
     from fogreduce.stages import run as stages
     from fogreduce.stages.setup import Setup
@@ -43,4 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
         from fogreduce.cli.flags import say_red_flags
 
         say_red_flags(setup)
+    if arguments.stage == "ingest":
+        print_warnings(setup, arguments.run)
     return 0

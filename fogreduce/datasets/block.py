@@ -20,8 +20,8 @@ class RawBlock:
         Index in the file of the first record.
     time_us : (N,) int64
         Time stamps [us] since the run's start.
-    pulse : (N,) int64
-        Number of the stimulus pulse.
+    pulse : (N,) int64 or None
+        Number of the stimulus pulse; None for a format that numbers no records.
     counts : (n, N) int32 or None
         Counts; -2147483648 = no answer. None for a format that holds readings in the capture's unit.
     values : (n, N) float64 or None
@@ -30,7 +30,7 @@ class RawBlock:
 
     start: int
     time_us: NDArray[np.int64]
-    pulse: NDArray[np.int64]
+    pulse: NDArray[np.int64] | None
     counts: NDArray[np.int32] | None
     values: Floats | None
 

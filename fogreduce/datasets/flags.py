@@ -19,6 +19,8 @@ class RecordFlag(IntFlag):
     OUT_OF_ORDER = 8
     BAD_STAMP = 16
     BEYOND_PROFILE = 32
+    CONSTANT_GYRO = 64
+    ACCELERATING = 128
 
 
 class GyroFlag(IntFlag):
@@ -26,13 +28,18 @@ class GyroFlag(IntFlag):
 
     MISSING = 1
     SPURIOUS = 2
+    CONSTANT = 64
 
 
 #: A record with one of these is left out of every estimate. One that came late is not: its stamp holds.
-UNUSABLE_RECORD = RecordFlag.REPEATED | RecordFlag.BAD_STAMP | RecordFlag.BEYOND_PROFILE
+UNUSABLE_RECORD = (
+    RecordFlag.REPEATED | RecordFlag.BAD_STAMP | RecordFlag.BEYOND_PROFILE | RecordFlag.ACCELERATING
+)
 
 #: A record with one of these is left out of estimates of x, y, z, which take all gyros.
-UNUSABLE_AXES = UNUSABLE_RECORD | RecordFlag.MISSING_GYRO | RecordFlag.SPURIOUS_GYRO
+UNUSABLE_AXES = (
+    UNUSABLE_RECORD | RecordFlag.MISSING_GYRO | RecordFlag.SPURIOUS_GYRO | RecordFlag.CONSTANT_GYRO
+)
 
 MEANINGS = {
     RecordFlag.MISSING_GYRO: "a gyro did not answer",
@@ -40,7 +47,9 @@ MEANINGS = {
     RecordFlag.REPEATED: "a pulse number that occurred before",
     RecordFlag.OUT_OF_ORDER: "came after a later pulse",
     RecordFlag.BAD_STAMP: "time stamp and pulse number disagree",
-    RecordFlag.BEYOND_PROFILE: "after the commanded profile's end",
+    RecordFlag.BEYOND_PROFILE: "before the commanded profile's start or after its end",
+    RecordFlag.CONSTANT_GYRO: "a gyro's reading stays the same for longer than chance",
+    RecordFlag.ACCELERATING: "the table had not yet reached the commanded rate",
 }
 
 
@@ -49,7 +58,7 @@ def record_flags(records: Bytes, gyros: Bytes) -> Bytes:
     if not gyros.any():
         return records
     any_gyro = np.bitwise_or.reduce(gyros, axis=0)
-    return records | any_gyro  # the two lowest bits mean the same in both
+    return records | any_gyro  # the bits of a gyro mean the same in both
 
 
 def cf_attributes(kind: type[IntFlag]) -> dict[str, object]:

@@ -70,7 +70,7 @@ def ingest_variables(facts: RunFacts, *, has_counts: bool) -> list[Variable]:
         raw = Variable(unit.variable, ("gyro", "time"), "<i4", {**described, **packing})
     else:
         raw = Variable(unit.variable, ("gyro", "time"), "<f8", described)
-    pulse = Variable("pulse", ("time",), "<u4", {"long_name": "number of the stimulus pulse", "units": "1"})
+    pulse = Variable("pulse", ("time",), "<i8", {"long_name": "number of the stimulus pulse", "units": "1"})
     return [time_variable(facts), pulse, raw, RECORD_FLAG, GYRO_FLAG]
 
 

@@ -14,13 +14,17 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.flags import RecordFlag
+from fogreduce.estimate.clock import STAMP_TOLERANCE_PULSES, STAMP_TOLERANCE_S, StampClock
+from fogreduce.estimate.lead import median_of_nine
 from fogreduce.estimate.outliers import isolated
 
 Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
-#: A stamp further than this from where its pulse number puts it, beside its neighbours, is wrong.
-STAMP_TOLERANCE_S = 0.05
-STAMP_TOLERANCE_PULSES = 8
+#: A clock that runs fast or slow moves stamps by so much of the time between two records.
+_CLOCK_RATE = 0.01
+#: Of the profile's length: a clock so much fast stamps the last records after its end.
+_BEYOND = 1e-3
 
 
 @dataclass
@@ -32,38 +36,104 @@ class SequenceCheck:
     sample_rate_hz : float
     n_expected : int
         Records of a whole capture; a later pulse lies beyond the profile.
+    end_us : float
+        The profile's end [us].
+    numbered : bool
+        Whether the format numbers its records: then stamps are held against the numbers.
     """
 
     sample_rate_hz: float
     n_expected: int
+    end_us: float = np.inf
+    numbered: bool = True
     highest: int = -1
     distinct: int = 0
+    _late_us: float = 0.0
+    _late_pulse: int = 0
+    _apart_us: float = 0.0
+    _latest_us: int | None = None
     _hole_start: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     _hole_stop: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     _filled: Integers = field(default_factory=lambda: np.empty(0, np.int64))
 
-    def flags(self, time_us: Integers, pulse: Integers) -> NDArray[np.uint8]:
-        """Flags of the next block's records: stamps [us] (N,), pulse numbers (N,)."""
-        flags = self._bad_stamps(time_us, pulse)
-        good = flags == 0
-        if int(pulse.max()) >= self.n_expected:
-            flags[(pulse >= self.n_expected) & good] |= np.uint8(RecordFlag.BEYOND_PROFILE)
+    def __post_init__(self) -> None:
+        self.clock = StampClock(self.sample_rate_hz)
+        self._tolerance_us = MICROSECONDS_PER_SECOND * max(
+            STAMP_TOLERANCE_S, STAMP_TOLERANCE_PULSES / self.sample_rate_hz
+        )
+
+    def flags(self, time_us: Integers, pulse: Integers, wrong: Flags | None = None) -> NDArray[np.uint8]:
+        """Flags of the next block's records.
+
+        Parameters
+        ----------
+        time_us, pulse : (N,) arrays
+            Stamps [us] and pulse numbers.
+        wrong : (N,) array of bool or None
+            Which stamps cannot be right, where that is known; None: they are held against the numbers.
+        """
+        flags = np.zeros(pulse.size, np.uint8)
+        if wrong is None:
+            wrong = self._wrong_stamps(time_us, pulse)
+        flags[wrong] = RecordFlag.BAD_STAMP
+        outside = self._outside(time_us, pulse)
+        if outside.any():
+            flags[outside & ~wrong] |= np.uint8(RecordFlag.BEYOND_PROFILE)
+        good = ~wrong & (pulse >= 0)
         if good.all() and pulse[0] == self.highest + 1 and bool((np.diff(pulse) == 1).all()):
             self.highest = int(pulse[-1])
             self._count(pulse)
         else:
             self._order(pulse, good, flags)
+        if good.any():
+            self._latest_us = max(int(time_us[good].max()), self._latest_us or 0)
         return flags
 
-    def _bad_stamps(self, time_us: Integers, pulse: Integers) -> NDArray[np.uint8]:
-        flags = np.zeros(pulse.size, np.uint8)
-        late_us = time_us - pulse * (MICROSECONDS_PER_SECOND / self.sample_rate_hz)
-        tolerance = MICROSECONDS_PER_SECOND * max(
-            STAMP_TOLERANCE_S, STAMP_TOLERANCE_PULSES / self.sample_rate_hz
-        )
-        if late_us.size > 1 and np.ptp(late_us) > tolerance:
-            flags[isolated(late_us, tolerance)] = RecordFlag.BAD_STAMP
-        return flags
+    def _outside(self, time_us: Integers, pulse: Integers) -> Flags:
+        """Which records lie before the profile's start or after its end, by number or clearly by stamp."""
+        late = time_us >= self.end_us * (1 + _BEYOND) + self._tolerance_us
+        early = (time_us < -self._tolerance_us) | (pulse < 0)
+        by_number = pulse >= self.n_expected
+        if not self.numbered:  # numbers go by the rate of the stamps, which need not be the stated one
+            by_number &= time_us >= self.end_us
+            late = time_us >= self.end_us + self._tolerance_us
+        outside: Flags = by_number | late | early
+        return outside
+
+    def _wrong_stamps(self, time_us: Integers, pulse: Integers) -> Flags:
+        """Stamps that disagree with the pulse numbers: alone among their neighbours, or for good."""
+        interval_us = MICROSECONDS_PER_SECOND / self.sample_rate_hz
+        late_us = time_us - pulse * interval_us
+        wrong = np.zeros(pulse.size, bool)
+        steady = np.ptp(late_us) <= self._tolerance_us
+        allowed_us = self._tolerance_us + _CLOCK_RATE * interval_us * abs(int(pulse[0]) - self._late_pulse)
+        if not (steady and not self._apart_us and abs(late_us[0] - self._late_us) <= allowed_us):
+            alone = isolated(late_us, self._tolerance_us)
+            calm = np.where(alone, median_of_nine(late_us), late_us)
+            steps = np.diff(calm, prepend=self._late_us)
+            passed = np.abs(np.diff(pulse, prepend=self._late_pulse)) * interval_us
+            jumps = np.where(np.abs(steps) > self._tolerance_us + _CLOCK_RATE * passed, steps, 0.0)
+            apart_us = self._apart_us + np.cumsum(jumps)
+            wrong = alone | (np.abs(apart_us) > self._tolerance_us)
+            self._apart_us = float(apart_us[-1]) if abs(apart_us[-1]) > self._tolerance_us else 0.0
+            late_us = calm
+        self._late_us, self._late_pulse = float(late_us[-1]), int(pulse[-1])
+        self._note_clock(time_us, pulse, late_us, ~wrong)
+        return wrong
+
+    def _note_clock(
+        self, time_us: Integers, pulse: Integers, late_us: NDArray[np.float64], good: Flags
+    ) -> None:
+        """What a block's good stamps show of their clock; jitter about a straight line."""
+        if not good.all():
+            time_us, pulse, late_us = time_us[good], pulse[good], late_us[good]
+        if pulse.size == 0:
+            return
+        x = pulse - pulse.mean()
+        left = late_us - late_us.mean()
+        spread = float(x @ x)
+        off_us = left - x * (float(x @ left) / spread) if spread else left
+        self.clock.add(pulse, time_us, off_us / MICROSECONDS_PER_SECOND, 0)
 
     def _count(self, pulse: Integers) -> None:
         self.distinct += int(np.count_nonzero(pulse < self.n_expected))
@@ -99,7 +169,9 @@ class SequenceCheck:
 
     def lost(self) -> int:
         """Pulses of the profile that no record answers, those after the record's end included."""
-        return self.n_expected - self.distinct
+        if self.numbered:
+            return self.n_expected - self.distinct
+        return sum(pulses for _, pulses in self.holes())
 
     def holes(self) -> list[tuple[int, int]]:
         """Holes as (first pulse lost, number of pulses), without those filled late, then the missing end."""
@@ -109,6 +181,14 @@ class SequenceCheck:
             for low, high in pairwise(edges):
                 if high - low > 1:
                     found.append((low + 1, high - low - 1))
-        if self.highest + 1 < self.n_expected:
-            found.append((self.highest + 1, self.n_expected - self.highest - 1))
+        if (missing := self._missing_end()) > 0:
+            found.append((self.highest + 1, missing))
         return found
+
+    def _missing_end(self) -> int:
+        """Pulses from the last record to the profile's end; where stamps tell them, beyond their scatter."""
+        if self.numbered or self._latest_us is None:
+            return self.n_expected - self.highest - 1
+        rate = self.clock.rate_hz if self.clock.rate_hz > 0 else self.sample_rate_hz
+        missing = round((self.end_us - self._latest_us) / MICROSECONDS_PER_SECOND * rate) - 1
+        return missing if missing > 2 * self.clock.largest_jitter_s * rate else 0

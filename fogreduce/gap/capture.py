@@ -135,14 +135,15 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
     stamp = np.full(size, np.nan)
     for block in ingest.blocks(reader, 65536):
         # pulses keep true time, whatever the stamps say: a wrong stamp is no reason to leave a sample out
-        wanted = ((block.flag & RecordFlag.REPEATED) == 0) & (block.pulse < size)
+        wanted = ((block.flag & RecordFlag.REPEATED) == 0) & (block.pulse >= 0) & (block.pulse < size)
         take = slice(None) if wanted.all() else wanted
         pulse = block.pulse[take]
         time_s = pulse / facts.sample_rate_hz
         measured = one.scene.rates(block.raw[:, take].copy())
         predicted = one.scene.decoded(time_s, actions)
         values = measured - predicted
-        flag = block.gyro_flag[:, take]
+        # a constant reading is a sample like others: what holds it is for the diagnosis to say
+        flag = block.gyro_flag[:, take] & np.uint8(GyroFlag.MISSING | GyroFlag.SPURIOUS)
         if facts.sample_rate_hz < SLOWEST_HZ:
             flag = np.where(_as_predicted(values, predicted), flag & ~GyroFlag.SPURIOUS, flag)
         flag = np.where(_moved(values, predicted, flag, time_s, facts), flag & ~GyroFlag.SPURIOUS, flag)
@@ -156,7 +157,7 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
             counts[:, at] = np.where(flag & GyroFlag.MISSING, MISSING_COUNT, whole)
         spurious[:, at] = (flag & GyroFlag.SPURIOUS) != 0
         missing[:, at] = (flag & GyroFlag.MISSING) != 0
-        stamp[at] = block.time_us[take] / 1e6
+        stamp[at] = block.time_us[take] / 1e6 - ingest.set_back_s(block)[take]
     usable = int(np.isfinite(residual).sum(axis=1).max())
     if usable < min(_FEWEST, size):
         found = f"{usable} usable of {ingest.records} records"

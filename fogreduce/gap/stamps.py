@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.estimate.sequence import STAMP_TOLERANCE_PULSES, STAMP_TOLERANCE_S
+from fogreduce.estimate.clock import STAMP_TOLERANCE_PULSES, STAMP_TOLERANCE_S
 from fogreduce.gap.evidence import log_mean_exp
 from fogreduce.gap.findings import Finding
 

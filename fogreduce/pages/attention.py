@@ -57,7 +57,8 @@ def attention(
     said += [
         (WARNING, f"{kind.replace('_', ' ')}: {value} of {expected} records, {100 * value / expected:.2g} %")
         for kind, value in flagged.items()
-        if kind not in ("torn_bytes", "unstable_intervals") and value > _SHARE * expected
+        if kind not in ("torn_bytes", "unstable_intervals", *(row["what"] for row in warnings))
+        and value > _SHARE * expected
     ]
     return [{"kind": kind, "text": text} for kind, text in said]
 

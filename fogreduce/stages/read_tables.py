@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fogreduce.errors import BadInput
 from fogreduce.physics.raw_quantity import RawUnit
-from fogreduce.stages import encoder
+from fogreduce.stages import encoder, look
 from fogreduce.stages.drift import DRIFT_COLUMNS
 from fogreduce.stages.rates import RATES_COLUMNS
 from fogreduce.stages.tables import RATE_FIT_COLUMNS, gyro_fit_columns
@@ -17,12 +17,12 @@ from fogreduce.stages.tables import RATE_FIT_COLUMNS, gyro_fit_columns
 COLUMNS: Mapping[str, Callable[[RawUnit], Sequence[str]]] = {
     "quality": lambda _: ("what", "count", "version_id"),
     "encoder": lambda _: encoder.COLUMNS,
+    "warnings": lambda _: look.COLUMNS,
     "gyro_fit": gyro_fit_columns,
     "rate_fit": lambda _: RATE_FIT_COLUMNS,
     "unstable": lambda _: ("gyro", "start_s", "stop_s", "noise_ratio", "version_id"),
     "drift": lambda _: DRIFT_COLUMNS,
     "rates": lambda _: RATES_COLUMNS,
-    "warnings": lambda _: ("severity", "what", "where", "found", "expected", "version_id"),
 }
 #: Tables that have a row of every run.
 _NEVER_EMPTY = ("quality", "gyro_fit")

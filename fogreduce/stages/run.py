@@ -5,7 +5,7 @@ Both ways hand the same blocks to the same functions in the same order, so their
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
@@ -21,6 +21,7 @@ from fogreduce.datasets.store import DatasetWriter
 from fogreduce.datasets.worker import Worker
 from fogreduce.errors import BadInput, Fault
 from fogreduce.physics.quantization import raw_from_counts
+from fogreduce.plausibility.finding import Finding
 from fogreduce.stages import drift as drift_stage
 from fogreduce.stages import encoder as encoder_stage
 from fogreduce.stages import tables
@@ -40,6 +41,7 @@ from fogreduce.stages.files import (
 )
 from fogreduce.stages.fit import Fit, as_plain
 from fogreduce.stages.ingest import Ingest
+from fogreduce.stages.look import look, write_warnings
 from fogreduce.stages.project import project
 from fogreduce.stages.rates import RATES_COLUMNS, rate_rows
 from fogreduce.stages.remove_earth import remove_earth
@@ -48,6 +50,9 @@ from fogreduce.stages.setup import Setup, TableAngle, microseconds, seconds
 Progress = Callable[[int], None]
 
 _BLOCKS_AHEAD = 2
+
+#: What quality.csv says of the clock that made the stamps.
+_CLOCK = ("rate_hz", "rate_ppm", "jitter_s")
 
 
 def _silent(records: int) -> None:
@@ -82,7 +87,9 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
             write_axis_rates(table, block.start, block.time_us, block.flag, rates)
             fitting.do(partial(fit.add, time_s, block.flag, block.gyro_flag, block.raw, rates))
             progress(block.start + block.time_us.size)
-    _finish_ingest(setup, run_dir, ingest, reader)
+        report = ingest.report(reader)
+        found = look(facts, setup.manifest["run"], report, run_dir)
+    _finish_ingest(setup, run_dir, report, found)
     _finish_fit(setup, fit)
     run_drift(setup)
 
@@ -95,7 +102,9 @@ def run_ingest(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
         for block in ingest.blocks(reader, setup.block_records):
             write_ingest(writer, block, setup.facts.raw_unit.variable)
             progress(block.start + block.time_us.size)
-    _finish_ingest(setup, run_dir, ingest, reader)
+        report = ingest.report(reader)
+        found = look(setup.facts, setup.manifest["run"], report, run_dir)
+    _finish_ingest(setup, run_dir, report, found)
 
 
 def run_calibrate(setup: Setup, progress: Progress = _silent) -> None:
@@ -237,16 +246,16 @@ def fit_of(setup: Setup, n_records: int) -> Fit:
     )
 
 
-def _finish_ingest(setup: Setup, run_dir: Path, ingest: Ingest, reader: Reader) -> None:
-    report = {"version_id": setup.version_id, **ingest.report(reader)}
+def _finish_ingest(setup: Setup, run_dir: Path, ingested: Mapping[str, Any], found: list[Finding]) -> None:
+    report = {"version_id": setup.version_id, **ingested}
     write_json(setup.out / "reports" / "ingest.json", report)
     rows: list[list[tables.Cell]] = [
-        [kind, report[kind] or 0, setup.version_id]  # type: ignore[list-item]
-        for kind in ("records", "expected", "lost", "torn_bytes")
+        [kind, report[kind] or 0, setup.version_id] for kind in ("records", "expected", "lost", "torn_bytes")
     ]
-    flagged: dict[str, int] = report["flagged"]  # type: ignore[assignment]
-    rows += [[kind, count, setup.version_id] for kind, count in flagged.items()]
+    rows += [[kind, count, setup.version_id] for kind, count in report["flagged"].items()]
+    rows += [[kind, report["clock"][kind], setup.version_id] for kind in _CLOCK]
     tables.write_table(setup.table("quality"), ["what", "count", "version_id"], rows)
+    write_warnings(setup, found)
     encoder_stage.write_encoder_table(setup, run_dir)
 
 

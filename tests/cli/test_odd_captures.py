@@ -13,7 +13,8 @@ from fogreduce.cli.main import main
 def reduce(lab, capsys) -> tuple[dict[str, int], dict]:
     """The counts of quality.csv and the report of ingest."""
     assert main(lab.reduce()) == 0
-    assert capsys.readouterr().err == ""
+    said = capsys.readouterr()
+    assert all(line.startswith(("warning: ", "red flag: ")) for line in said.err.splitlines())
     with (lab.out / "tables" / "quality.csv").open(newline="") as file:
         counts = {row["what"]: int(row["count"]) for row in csv.DictReader(file)}
     return counts, json.loads((lab.out / "reports" / "ingest.json").read_text())
@@ -77,15 +78,18 @@ def test_longer_and_shorter_than_the_profile(small_lab, capsys):
     assert reduce(small_lab, capsys)[0]["lost"] == 7
 
 
-@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("count", [1, 2, 4])
 def test_hardly_a_record(small_lab, capsys, count):
-    """Too few for a curve: the tables are there, their numbers empty."""
+    """Too few for a curve of four coefficients: refused, nothing left behind."""
     small_lab.write_capture(header(), records(count).tobytes())
-    counts, _ = reduce(small_lab, capsys)
-    assert counts["records"] == count
-    rows = (small_lab.out / "tables" / "rate_fit.csv").read_text().splitlines()[1:]
-    if count <= 4:
-        assert [row.split(",")[1] for row in rows] == ["", "", ""]
+    assert main(small_lab.reduce()) == 2
+    assert f"found {count} usable of {count} records; expected at least 5 usable" in capsys.readouterr().err
+    assert not small_lab.out.exists()
+
+
+def test_just_enough_records(small_lab, capsys):
+    small_lab.write_capture(header(), records(5).tobytes())
+    assert reduce(small_lab, capsys)[0]["records"] == 5
 
 
 def test_a_gyro_that_never_answers(small_lab, capsys):
@@ -103,12 +107,11 @@ def test_a_gyro_that_never_answers(small_lab, capsys):
 
 
 def test_random_bytes_as_records(small_lab, capsys):
-    """A body of noise: judged record by record, and no crash. None of it belongs to the run's pulses."""
+    """A body of noise: none of it belongs to the run's pulses, so nothing is usable, and it is refused."""
     body = np.random.default_rng(5).bytes(28 * RECORDS)
     small_lab.write_capture(header(), body)
-    counts, _ = reduce(small_lab, capsys)
-    assert counts["records"] == RECORDS
-    assert counts["bad_stamp"] + counts["beyond_profile"] == RECORDS == counts["lost"]
+    assert main(small_lab.reduce()) == 2
+    assert "time stamps: found stamps from" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("line", ["nan,1,2,3,4", "6.25,1,inf,3,4", "abc,1,2,3,4", ",1,2,3,4"])

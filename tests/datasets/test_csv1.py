@@ -38,47 +38,18 @@ def test_a_file_by_hand(tmp_path, size: int, end: str, break_: str) -> None:
     np.testing.assert_array_equal(
         np.concatenate([b.time_us for b in blocks]), [0, 500_000, 1_000_000, 1_500_000]
     )
-    np.testing.assert_array_equal(np.concatenate([b.pulse for b in blocks]), [0, 1, 2, 3])
+    assert all(block.pulse is None for block in blocks)  # the format numbers no records
     volts = np.concatenate([b.values for b in blocks], axis=1)
     expected = [[0.1, np.nan, 0.3, -0.25], [-0.2, 1e-7, np.nan, 0.000012345678901234]]
     np.testing.assert_array_equal(volts, expected)
     assert all(block.counts is None for block in blocks)
 
 
-def test_a_lost_line_leaves_a_hole(tmp_path) -> None:
-    path = write(tmp_path / "capture.csv", LINES[0], LINES[2], LINES[3])
-    assert next(iter(CsvReader(path, {"sample_rate_hz": 2.0}, 0).blocks(10))).pulse.tolist() == [0, 2, 3]
-
-
-def test_whole_microseconds_at_a_rate_that_does_not_divide_them(tmp_path) -> None:
-    """64.0669 Hz, the real recording's: stamps rounded to microseconds give back every pulse number."""
-    rate = 64.06688502459477
-    pulses = np.arange(20_000)
-    lines = (f"{round(k / rate * 1e6) / 1e6:.6f},0,0" for k in pulses)
-    path = write(tmp_path / "capture.csv", *lines)
-    block = next(iter(CsvReader(path, {"sample_rate_hz": rate}, 0).blocks(30_000)))
-    np.testing.assert_array_equal(block.pulse, pulses)
-    np.testing.assert_array_equal(block.time_us, np.rint(pulses / rate * 1e6))
-
-
-def test_a_time_far_ahead_keeps_its_place_among_the_pulses(tmp_path) -> None:
-    """So that it is found to be wrong, and those after it not to be late; one behind is a repeat, or late."""
-    times = np.arange(100) / 2
-    times[40] += 1000.0
-    times[70] = times[10]
-    path = write(tmp_path / "capture.csv", *(f"{t:.6f},0,0" for t in times))
-    block = next(iter(CsvReader(path, {"sample_rate_hz": 2.0}, 0).blocks(1000)))
-    expected = np.arange(100)
-    expected[70] = 10
-    np.testing.assert_array_equal(block.pulse, expected)
-    assert block.time_us[40] == 1_020_000_000
-
-
 def test_a_torn_last_line_is_not_a_record(tmp_path) -> None:
     path = write(tmp_path / "capture.csv", *LINES[:2], "1.000", end="")
     reader = CsvReader(path, {"sample_rate_hz": 2.0}, 0)
     assert (reader.n_records, reader.torn_bytes) == (2, 5)
-    assert [block.pulse.size for block in reader.blocks(10)] == [2]
+    assert [block.time_us.size for block in reader.blocks(10)] == [2]
     assert reader.place(reader.n_records) == "line 4"
 
 

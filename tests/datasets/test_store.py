@@ -111,6 +111,8 @@ def test_by_xarray(dataset: Path) -> None:
             "out_of_order": 8,
             "bad_stamp": 16,
             "beyond_profile": 32,
+            "constant_gyro": 64,
+            "accelerating": 128,
         }
         assert data.attrs["sample_rate_hz"] == 128.0
 

@@ -38,6 +38,7 @@ rule ingest:
         run_file("reports/ingest.json"),
         run_file("tables/quality.csv"),
         run_file("tables/encoder.csv"),
+        run_file("tables/warnings.csv"),
     log:
         run_file("logs/ingest.log"),
     params:

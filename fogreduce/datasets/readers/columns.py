@@ -17,13 +17,11 @@ from fogreduce.datasets.block import RawBlock
 from fogreduce.datasets.readers.facts import CaptureFacts
 from fogreduce.datasets.readers.times import NO_STAMP, Clock
 from fogreduce.errors import BadInput
-from fogreduce.estimate.outliers import isolated
 
 Chunk = list[NDArray[Any]]
 
 #: Columns named in a message.
 _SHOWN = 12
-_APART_PULSES, _APART_S = 8, 0.05  # as `fogreduce.estimate.sequence` tells a wrong stamp
 
 
 class ColumnsReader:
@@ -88,9 +86,7 @@ class ColumnsReader:
         chosen = self._gyros if self._time is None else [*self._gyros, self._time]
         for start, time_us, values in self._stamped(chosen, size):
             # A capture without stamps says nothing of lost records: they are numbered as they come.
-            pulse = np.arange(start, start + time_us.size)
-            if self._time is not None:
-                pulse = _pulses(time_us, float(self.capture["sample_rate_hz"]))
+            pulse = np.arange(start, start + time_us.size) if self._time is None else None
             yield RawBlock(start, time_us, pulse, None, np.ascontiguousarray(values))
 
     def log_columns(self, names: Sequence[str], size: int) -> Iterator[tuple[NDArray[np.int64], Any]]:
@@ -181,17 +177,6 @@ class ColumnsReader:
         raise BadInput.at(
             run_yaml, f"capture.{key}", found=column, expected=f"{expected} of {self.path.name}"
         )
-
-
-def _pulses(time_us: NDArray[np.int64], rate_hz: float) -> NDArray[np.int64]:
-    """Pulse numbers: a time ahead of all around it is a wrong stamp, not a later pulse."""
-    pulse: NDArray[np.int64] = np.rint(time_us * (rate_hz / MICROSECONDS_PER_SECOND)).astype(np.int64)
-    lead = pulse - np.arange(pulse.size)  # steps down at repeated lines and up at lost ones
-    wrong = np.flatnonzero(isolated(lead, max(_APART_PULSES, _APART_S * rate_hz)))
-    for k in wrong.tolist():
-        # One behind is left as it is: it came late, or repeats a pulse.
-        pulse[k] = min(pulse[k], k + int(np.median(lead[max(k - 4, 0) : k + 5])))
-    return pulse
 
 
 def needs(module: str, extra: str, path: Path) -> Any:

@@ -1,0 +1,114 @@
+"""Stretches in which a gyro's reading does not change, longer than chance: a rail, a dead or a frozen gyro.
+
+A reading repeats the one before with a probability p that the record shows by itself, at the same commanded
+rate; a run of L repeats among N readings then occurs by chance N p^L times. Readings coarser than the noise
+repeat often, and those without noise always: they are left alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.estimate.outliers import Values
+
+Flags = NDArray[np.bool_]
+Integers = NDArray[np.integer[Any]]
+
+#: Readings of a constant stretch: at least a second's, between these limits.
+_FEWEST, _MOST = 16, 128
+#: Chance at which a run of repeats in a record is no accident, as its natural logarithm.
+_LN_CHANCE = math.log(1e-6)
+
+
+class ConstantSearch:
+    """Finds constant stretches block by block.
+
+    Parameters
+    ----------
+    n_gyros : int
+    sample_rate_hz : float
+    """
+
+    def __init__(self, n_gyros: int, sample_rate_hz: float) -> None:
+        self._shortest = round(min(max(sample_rate_hz, _FEWEST), _MOST))
+        self._readings = 0
+        self._repeats = np.zeros(n_gyros, np.int64)
+        self._run = np.zeros(n_gyros, np.int64)
+        self._last: Values | None = None
+
+    @property
+    def repeated(self) -> NDArray[np.float64]:
+        """Share of readings that repeat the one before, each gyro (n,); NaN before the second reading."""
+        return self._repeats / (self._readings - 1) if self._readings > 1 else np.full(self._run.size, np.nan)
+
+    def flags(
+        self, values: Values, following: Values | None, segments: Callable[[], Integers]
+    ) -> Flags | None:
+        """Which readings lie in constant stretches, None for none.
+
+        Parameters
+        ----------
+        values, following : (n, N) arrays
+            Readings of this block and of the next, None at the record's end.
+        segments : function
+            Segment of the profile in which each reading of both lies, (N + N',).
+        """
+        n, size = values.shape
+        first = values[:, :1] if self._last is None else self._last
+        repeats = np.diff(values, axis=1, prepend=first) == 0
+        if self._last is None:
+            repeats[:, 0] = False
+        self._readings += size
+        self._repeats += np.count_nonzero(repeats, axis=1)
+        self._last = values[:, -1:]
+        # A long run holds a whole piece of half its length.
+        half = self._shortest // 2
+        pieces = repeats[:, : size // half * half].reshape(n, -1, half).all(axis=2)
+        suspects = np.flatnonzero(pieces.any(axis=1) | (self._run > 0) | repeats[:, -1])
+        found: Flags | None = None
+        run = np.zeros(n, np.int64)
+        for gyro in suspects.tolist():
+            starts, stops = _stretches(repeats[gyro])
+            lengths = stops - starts
+            if starts.size and starts[0] == 0:
+                lengths[0] += self._run[gyro]
+            if starts.size and stops[-1] == size:
+                run[gyro] = lengths[-1]
+                lengths[-1] += _goes_on(values[gyro, -1], following, gyro)
+            for k in np.flatnonzero(lengths >= self._shortest).tolist():
+                start, stop = int(starts[k]), int(stops[k])
+                near = values[gyro] if following is None else np.append(values[gyro], following[gyro])
+                if lengths[k] < _least_run(near, segments(), (start + stop) // 2):
+                    continue
+                found = np.zeros(values.shape, bool) if found is None else found
+                found[gyro, max(start - 1, 0) : stop] = True
+        self._run = run
+        return found
+
+
+def _least_run(readings: Values, segments: Integers, within: int) -> float:
+    """Repeats of a run about reading `within` that are no accident, by all readings of its segment."""
+    here = readings[segments == segments[within]]
+    changes = int(np.count_nonzero(np.diff(here)))
+    if changes <= 2:
+        return math.inf
+    return (math.log(here.size) - _LN_CHANCE) / -math.log1p(-changes / (here.size + 1))
+
+
+def _stretches(flags: Flags) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where stretches of True start, and where they have ended."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.view(np.int8), [0]))))
+    return edges[::2], edges[1::2]
+
+
+def _goes_on(value: object, following: Values | None, gyro: int) -> int:
+    """How many readings of the next block still have this value."""
+    if following is None:
+        return 0
+    same = following[gyro] == value
+    return int(same.size if same.all() else np.argmin(same))
