@@ -15,7 +15,7 @@ from withheld.study.cases import draw_case, plans
 from withheld.study.classes import CLASSES
 from withheld.study.classes.stale import FEWEST, MOST, stale_entries
 from withheld.study.classes.strong import LEVELS
-from withheld.study.designs import any_campaign
+from withheld.study.designs import SHORT_AND_LONG, any_campaign
 
 
 def test_every_cell_comes_once_before_any_comes_twice():
@@ -144,6 +144,14 @@ def test_a_shape_near_the_catalogue_keeps_its_distance_from_it():
     # 15 where the law's bounds allow it, and never less than half of that
     assert 7.5 < known["best_rival"] < 15.5
     assert known["nearest"]["effect"] in NAMES
+
+
+def test_strong_effects_come_in_short_and_long_runs_too():
+    rng = np.random.default_rng(2)
+    short, long = (any_campaign("c", rng, 1.0, {design: 1.0})[1] for design in SHORT_AND_LONG)
+    assert [run.duration_s for run in short.runs] == [120.0, 120.0]
+    assert [run.duration_s for run in long.runs] == [6000.0]
+    assert all(rate == 0.0 for run in short.runs for rate, _ in run.profile)
 
 
 def test_no_class_has_an_effect_taken_out():

@@ -25,6 +25,8 @@ DESIGNS = {
     "one_many_rate": 0.05,
     "one_static": 0.02,
 }
+# Short and long ones that the first studies had not: two standstills of 120 s, a run of 100 minutes.
+SHORT_AND_LONG = {"two_static": 0.1, "one_long": 0.05}
 Profile = tuple[tuple[float, float], ...]
 
 
@@ -52,9 +54,13 @@ def _turns(design: str, rng: np.random.Generator) -> list[tuple[str, Profile]]:
     if design == "one_many_rate":
         steps = (0.0, 2.0, -2.0, 5.0, -5.0, 12.0, -12.0, 0.0)
         return [(axis, tuple((step, 60.0) for step in steps))]
+    if design == "two_static":
+        return [(axis, ((0.0, 120.0),))] * 2
+    if design == "one_long":
+        return [(axis, ((0.06, 6000.0),))]
     if design == "one_static":
         return [(axis, ((0.0, 600.0),))]
-    raise ValueError(f"no design {design}; expected one of {', '.join(DESIGNS)}")
+    raise ValueError(f"no design {design}; expected one of {', '.join({**DESIGNS, **SHORT_AND_LONG})}")
 
 
 def _tumbled(design: str, number: int, axis: str) -> tuple[tuple[str, str], tuple[str, str]]:
