@@ -31,7 +31,6 @@ Array = NDArray[np.float64]
 
 #: Sample rate below which a log is slow: a few samples a dwell, no spectrum of noise alone.
 SLOWEST_HZ = 2.0
-_FEWEST = 5  # samples of one gyro at least, where the profile has room for them
 _NEAR = 0.1  # of the largest reading predicted at any gyro
 _SEVERAL, _NEAR_EDGE_S = 3, 10.0
 
@@ -158,11 +157,6 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
         spurious[:, at] = (flag & GyroFlag.SPURIOUS) != 0
         missing[:, at] = (flag & GyroFlag.MISSING) != 0
         stamp[at] = block.time_us[take] / 1e6 - ingest.set_back_s(block)[take]
-    usable = int(np.isfinite(residual).sum(axis=1).max())
-    if usable < min(_FEWEST, size):
-        found = f"{usable} usable of {ingest.records} records"
-        expected = f"at least {_FEWEST} within the {facts.profile.end_s:g} s of table.profile"
-        raise BadInput.at(path, "", found=found, expected=expected)
     return Samples(residual, counts, spurious, missing, int(np.isnan(stamp).sum()), stamp)
 
 

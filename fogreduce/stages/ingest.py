@@ -253,7 +253,7 @@ class Ingest:
     def _refuse_unusable(self, reader: Reader) -> None:
         """A record that leaves no estimate of any gyro is refused: no usable data is no health."""
         most = int(self._usable.max(initial=0))
-        if most >= _FEWEST:
+        if most >= min(_FEWEST, self.facts.n_expected):
             return
         path, end_s = reader.path, self.facts.profile.end_s
         if self._first_us is None:
