@@ -13,6 +13,11 @@ _LINE = re.compile(r"\S.*: found .+; expected .+")
 _LONGEST_LINE = 1500
 
 
+def beside_flags(err: str) -> list[str]:
+    """What standard error says beside red flags and warnings, which go with a good end."""
+    return [line for line in err.splitlines() if not line.startswith(("red flag: ", "warning: "))]
+
+
 def faults_of(outcome: Outcome, forbidden: list[str], known: list[Path], after: list[Path]) -> list[str]:
     """What is wrong with an answer; empty where nothing is.
 
@@ -30,8 +35,8 @@ def faults_of(outcome: Outcome, forbidden: list[str], known: list[Path], after: 
     if outcome.status not in (0, 2):
         return [f"status {outcome.status}: {outcome.err.strip()[:150]}"]
     if outcome.status == 0:
-        if outcome.err:
-            wrong.append("a good end, and yet it says: " + outcome.err.strip()[:150])
+        if said := beside_flags(outcome.err):
+            wrong.append("a good end, and yet it says: " + said[0][:150])
         if forbidden:
             wrong.append(f"accepted what is forbidden: {forbidden[0][:100]}")
     else:
