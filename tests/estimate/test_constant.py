@@ -1,0 +1,38 @@
+"""Constant stretches among readings that scatter, in blocks of any size."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fogreduce.estimate.constant import ConstantSearch
+
+
+def found(values: np.ndarray, block: int, rate_hz: float = 64.0) -> np.ndarray:
+    search = ConstantSearch(len(values), rate_hz)
+    parts = [values[:, k : k + block] for k in range(0, values.shape[1], block)]
+    out = []
+    for part, following in zip(parts, [*parts[1:], None], strict=True):
+        size = part.shape[1] + (0 if following is None else following.shape[1])
+        flags = search.flags(part, following, lambda size=size: np.zeros(size, int))
+        out.append(np.zeros(part.shape, bool) if flags is None else flags)
+    return np.concatenate(out, axis=1)
+
+
+@pytest.mark.parametrize("block", [1000, 2500, 10_000])
+def test_a_stretch_is_found_whole(block: int) -> None:
+    values = np.random.default_rng(1).integers(-1000, 1000, (2, 8000)).astype(np.int32)
+    values[1, 2000:3280] = values[1, 2000]
+    flags = found(values, block)
+    assert not flags[0].any()
+    inside = np.flatnonzero(flags[1])
+    assert set(inside.tolist()) >= set(range(2001, 3280))
+    assert inside.min() >= 1999
+    assert inside.max() == 3279
+
+
+def test_coarse_readings_are_left_alone() -> None:
+    """Noise of a fifth of a step, and none at all: repeats are what is to be expected."""
+    noise = np.random.default_rng(2).normal(0.45, 0.2, (1, 20_000))
+    assert not found(np.rint(noise).astype(np.int32), 20_000).any()
+    assert not found(np.zeros((1, 20_000), np.int32), 20_000).any()
