@@ -21,6 +21,7 @@ Flags = NDArray[np.bool_]
 _PIECE = 128  # samples that are searched together, with as many on each side
 _JUDGED = 64  # samples whose scatter is judged together: the noisiest of those around counts
 _HALF = 4  # samples on each side in the running median
+_BURST = 1.6  # of the typical scatter: a stretch is noisier than by chance, four standard errors of its own
 _ACTIVE = 0.05  # where fewer differences than this are other than zero, the scatter is not known
 _IDLE = 8.0  # floors that stand for a scatter not known: only what is far out is spurious on a rail
 _SAME_STEPS = 3  # a smallest step that occurs as often is the converter's; one spike makes two
@@ -136,11 +137,13 @@ class OutlierSearch:
         """Spurious samples of pieces (m, PIECE), each given with its two neighbours, (m, 3 PIECE)."""
         # A burst of noise that begins at the edge of a piece must not be judged by the quiet before it.
         local = robust_scales(around.reshape(len(around), -1, _JUDGED), floor, idle).max(axis=1)
+        # The largest of six scales is a fifth above the true one by chance alone: that is no burst.
+        local = np.where(local > _BURST * typical, local, typical)
         inner = around[:, _PIECE - _HALF : 2 * _PIECE + _HALF]
         windows = np.lib.stride_tricks.sliding_window_view(inner, 2 * _HALF + 1, axis=1)
         middle = running_median(windows)
         distance = np.abs(np.subtract(around[:, _PIECE : 2 * _PIECE], middle, dtype=np.float64))
-        return distance > self._threshold * np.maximum(local, typical)[:, None]
+        return distance > self._threshold * local[:, None]
 
 
 def _scales_of_pairs(pairs: Values, floor: float) -> tuple[float, float]:
