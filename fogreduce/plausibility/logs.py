@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from fogreduce.estimate.encoder import compare_with_command
 from fogreduce.plausibility.epoch import epoch_in_words
 from fogreduce.plausibility.finding import Finding, Seen
@@ -12,6 +14,8 @@ from fogreduce.plausibility.finding import Finding, Seen
 _LEFT_OUT, _LEFT_OUT_S = 0.05, 5.0
 #: A log that goes on for so many times the run is of another.
 _LONGER, _LONGER_S = 2.0, 600.0
+#: What electronics of the military range are made for (MIL-STD-883) [degC].
+_COLDEST_DEGC, _HOTTEST_DEGC = -55.0, 125.0
 #: A table's rate off the command by so much of it, or so many deg/s, is none of this profile.
 _RATE, _RATE_DEG_S = 0.01, 0.01
 _GUARD_S = 0.5
@@ -38,6 +42,23 @@ def coverage(seen: Seen) -> Iterator[Finding]:
             continue
         expected = f"0 to {end_s:.10g} s, the run's profile"
         yield seen.warning(f"{key}_coverage", key, found, expected, file=seen.run.get(key))
+
+
+def temperatures(seen: Seen) -> Iterator[Finding]:
+    """Temperatures that no unit works at: of a log in kelvin or degrees Fahrenheit, say."""
+    log = seen.temperature
+    if log is None:
+        return
+    for name, values in (("electronics", log.electronics_degC), ("sensor", log.sensor_degC)):
+        if values is None:
+            continue
+        middle = float(np.median(values))
+        if not _COLDEST_DEGC <= middle <= _HOTTEST_DEGC:
+            found = f"a median {name} temperature of {middle:.6g} degC"
+            expected = f"{_COLDEST_DEGC:g} to {_HOTTEST_DEGC:g} degC: is the log in another unit, as K?"
+            yield seen.warning(
+                "temperatures", "temperature", found, expected, file=seen.run.get("temperature")
+            )
 
 
 def encoder_rate(seen: Seen) -> Iterator[Finding]:

@@ -24,6 +24,7 @@ LOOKS: tuple[Callable[[Seen], Iterator[Finding]], ...] = (
     readings.constant,
     readings.coarse,
     logs.coverage,
+    logs.temperatures,
     logs.encoder_rate,
 )
 
