@@ -156,7 +156,7 @@ def test_what_no_single_mistake_explains_is_flagged_all_the_same(published) -> N
 
 def test_counts_coarser_than_the_noise_have_errors_that_hold(bench) -> None:
     """A gyro's noise is 1e-5 V: many readings give one count. Nothing is wrong, so nothing is flagged. No
-    drift lies beyond four of its errors by noise and rounding, no mean rate beyond four of its combined ones."""
+    drift is beyond four of its errors by noise and rounding, no mean rate beyond four combined ones."""
     capture = {"file": "capture.fogcap", "format": "fogcap-1", "sample_rate_hz": 16.0, "polarity": [1, -1, 1]}
     capture["volts_per_count"] = 5e-5
     for azimuth in (20.0, 140.0, 290.0):
