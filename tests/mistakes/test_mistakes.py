@@ -8,6 +8,9 @@ What no examination of one run can find, because another truth would give the sa
 - a start that is hours off within the record's validity (nothing in a csv-1 capture says when it was made);
 - a temperature log of another run of the same length (any temperature is possible);
 - a latitude, azimuth, rate or scale factor that is off by less than its stated uncertainty lets expect.
+
+The smallest that were found on these runs: latitude 1 to 2 deg, azimuth 1 to 2 deg, a step's duration 0.02 to
+0.05 s; a rate of 24 deg/s 100 ppm off was with four gyros and was not with three.
 """
 
 import re
