@@ -2,7 +2,8 @@
 
 A reading repeats the one before with a probability p that the record shows by itself, at the same commanded
 rate; a run of L repeats among N readings then occurs by chance N p^L times. Readings coarser than the noise
-repeat often, and those without noise always: they are left alone.
+repeat often, and for as long as the rate rests between two transitions; those without noise repeat always:
+they are left alone.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ Integers = NDArray[np.integer[Any]]
 _FEWEST, _MOST = 16, 128
 #: Chance at which a run of repeats in a record is no accident, as its natural logarithm.
 _LN_CHANCE = math.log(1e-6)
+#: Steps of the converter: where half of all changes are smaller, readings move by single steps.
+_SINGLE = 1.5
 
 
 class ConstantSearch:
@@ -92,12 +95,23 @@ class ConstantSearch:
 
 
 def _least_run(readings: Values, segments: Integers, within: int) -> float:
-    """Repeats of a run about reading `within` that are no accident, by all readings of its segment."""
+    """Repeats of a run about reading `within` that are no accident, by all readings of its segment.
+
+    Where readings move by single steps of the converter, a rate that rests between two transitions repeats
+    for as long as it does: only a value that the changing readings never come near is then no accident.
+    """
     here = readings[segments == segments[within]]
-    changes = int(np.count_nonzero(np.diff(here)))
-    if changes <= 2:
+    steps = np.abs(np.diff(here.astype(np.float64)))
+    moved = np.flatnonzero(steps)
+    if moved.size <= 2:
         return math.inf
-    return (math.log(here.size) - _LN_CHANCE) / -math.log1p(-changes / (here.size + 1))
+    least = steps[moved].min()
+    if np.median(steps[moved]) < _SINGLE * least:
+        value, changing = readings[within], here[np.concatenate((moved, moved + 1))]
+        others = changing[changing != value]
+        if others.min() - _SINGLE * least <= value <= others.max() + _SINGLE * least:
+            return math.inf
+    return (math.log(here.size) - _LN_CHANCE) / -math.log1p(-moved.size / (here.size + 1))
 
 
 def _stretches(flags: Flags) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

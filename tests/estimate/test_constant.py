@@ -36,3 +36,16 @@ def test_coarse_readings_are_left_alone() -> None:
     noise = np.random.default_rng(2).normal(0.45, 0.2, (1, 20_000))
     assert not found(np.rint(noise).astype(np.int32), 20_000).any()
     assert not found(np.zeros((1, 20_000), np.int32), 20_000).any()
+
+
+def test_a_slow_wave_of_a_few_steps_rests_at_its_crests() -> None:
+    """Three steps of sine, noise of a fifth of a step: at the crests a code repeats for long."""
+    wave = 3.0 * np.sin(2 * np.pi * np.arange(20_000) / 20_000)
+    noise = np.random.default_rng(3).normal(0.0, 0.2, 20_000)
+    assert not found(np.rint(wave + noise)[None, :], 5000).any()
+
+
+def test_a_rail_far_from_coarse_readings_is_found() -> None:
+    values = np.rint(np.random.default_rng(4).normal(0.45, 0.2, (1, 20_000)))
+    values[0, 5000:6280] = 40.0
+    assert found(values, 20_000)[0, 5001:6280].all()
