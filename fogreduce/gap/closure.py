@@ -9,8 +9,8 @@ metric: its expectation, when nothing is left, is their number.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +27,55 @@ from fogreduce.gap.search import Search, _processes
 from fogreduce.gap.where import Place
 
 Array = NDArray[np.float64]
+Key = tuple[str, tuple[str, ...], tuple[str, ...], str]
 
 _DEALS = 300  # stretches of a run, dealt in turn: short ones, so that either fold knows when a bias stepped
 _MOST_FEATURES = 30
 
 
 @dataclass(frozen=True)
+class HeldOut:
+    """One fold held against causes that were fitted on the other.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+        Those in block means, with the other fold's parameters.
+    whiten : Whitener
+    metric, features : Metric, (rows, m) array
+        With the random processes among the causes in the noise.
+    bare, bare_features : Metric, (rows, m) array
+        Without them.
+    y, bare_y : (rows,) arrays
+        Residual, whitened in either noise.
+    """
+
+    causes: tuple[Cause, ...]
+    whiten: Whitener
+    metric: Metric
+    features: Array
+    y: Array
+    bare: Metric
+    bare_features: Array
+    bare_y: Array
+    bare_whiten: Whitener
+
+
+@dataclass(frozen=True)
 class Closure:
-    """Sums over both folds; `placebo`: the fraction that a wrong effect, fitted as hard, would close."""
+    """Sums over both folds.
+
+    Attributes
+    ----------
+    measure, held_out : str
+    before, after, expected : float
+    placebo : float or None
+        The fraction that a wrong effect, fitted as hard, would close.
+    held : tuple of HeldOut
+        Each fold as it was held against the causes.
+    at_full_rate : mapping
+        Key of a cause of the full rate -> its own before and after.
+    """
 
     measure: str
     held_out: str
@@ -42,6 +83,8 @@ class Closure:
     after: float
     expected: float
     placebo: float | None = None
+    held: tuple[HeldOut, ...] = ()
+    at_full_rate: Mapping[Key, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def fraction(self) -> float:
@@ -77,6 +120,9 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     slow = [c for c in causes if c.slow]
     before = after = expected = 0.0
     placebo: list[float] = []
+    parts: list[HeldOut] = []
+    instant = any(_within_a_block(data, c) for c in slow)
+    alone: dict[Key, tuple[float, float]] = {}
     if families or slow:
         nominal = search.ground.nominal
         columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
@@ -85,26 +131,44 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         if _processes(causes):
             plain = [_fold(search, parity, slow, columns) for parity in (0, 1)]
         for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
-            model = refined(data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y, rounds=3)
-            there = modelled(data.inputs, model.causes, held.whiten, nominal)
-            shapes = _shapes(data, model.causes, held.whiten.rows)
+            mine: Sequence[Cause] = slow
+            if not instant:
+                args = (data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y)
+                mine = refined(*args, rounds=3).causes
+            there = modelled(data.inputs, mine, held.whiten, nominal)
+            shapes = _shapes(data, mine, held.whiten.rows)
             features = _features(search, families, there.slopes, shapes, held.whiten)
-            # a random process does not change what is predicted but how far from it one may be
-            one, number = _sum(
-                bare.metric, _features(search, families, there.slopes, shapes, bare.whiten), bare.y
+            bare_features = _features(search, families, there.slopes, shapes, bare.whiten)
+            parts.append(
+                HeldOut(
+                    tuple(mine),
+                    held.whiten,
+                    held.metric,
+                    features,
+                    held.y,
+                    bare.metric,
+                    bare_features,
+                    bare.y,
+                    bare.whiten,
+                )
             )
-            two, _ = _sum(held.metric, features, held.y - there.change)
+            # a random process does not change what is predicted but how far from it one may be
+            one, number = squared_deviates(bare.metric, bare_features, bare.y)
+            two, _ = squared_deviates(held.metric, features, held.y - there.change)
             before, after, expected = before + one, after + two, expected + number
             wrong = _placebo(search, slow, fitted, held)
             if wrong is not None:
-                three, _ = _sum(held.metric, features, held.y - wrong)
+                three, _ = squared_deviates(held.metric, features, held.y - wrong)
                 placebo.append((one - three) / max(one - number, 1e-9))
     fast = [c for c in causes if c.finding is not None]
     held_out = "every other three-hundredth of each run, both ways" if families or slow else ""
+    if instant:
+        held_out = "nothing: what a start late by less than a block changes lies in one block alone"
     for cause in fast:
         sums = _fast_closure(data, cause, search.allowed)
         if sums is not None:
             before, after, expected = before + sums[0], after + sums[1], expected + 1.0
+            alone[cause.key] = sums
             held_out = held_out or "every other run, both ways"
     if not causes:
         before = after = sum(p.q + p.degrees for p in found)
@@ -124,7 +188,15 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         after,
         expected,
         float(np.clip(np.mean(placebo), -1.0, 1.0)) if placebo else None,
+        tuple(parts),
+        alone,
     )
+
+
+def _within_a_block(data: Data, cause: Cause) -> bool:
+    """Whether a cause shows in a single block at each jump of the rate, which one fold alone has."""
+    late = abs(cause.theta.get("s", np.inf))
+    return late < data.inputs[0].scene.blocks.length_s
 
 
 def _masks(data: Data, parity: int) -> list[NDArray[np.bool_]]:
@@ -177,7 +249,7 @@ def _coloured(ground: Whitener, white: Array) -> Array:
     return out
 
 
-def _sum(metric: Metric, features: Array, y: Array) -> tuple[float, float]:
+def squared_deviates(metric: Metric, features: Array, y: Array) -> tuple[float, float]:
     """Squared deviates of y over the span of features, and how many they are."""
     if features.shape[1] == 0:
         return 0.0, 0.0

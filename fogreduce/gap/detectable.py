@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
-from fogreduce.gap.search import LOG_GAP, _log_prior
+from fogreduce.gap.search import LOG_GAP, log_prior_of
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ class Row:
 
 def threshold(share: float) -> float:
     """Ln of evidence at which an effect's odds are even; `share`: of its name's prior that its place has."""
-    return -(_log_prior(True, share) + float(LOG_GAP))
+    return -(log_prior_of(True, share) + float(LOG_GAP))
 
 
 def crossing(function: Callable[[float], float], low: float, high: float) -> float | None:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.how_far.by_cause import Share, shares
+from fogreduce.diagnosis.inference.tension import tensions
+from fogreduce.diagnosis.inference.verdict import verdict_of_sets
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
 from fogreduce.gap import design, where
 from fogreduce.gap.assumptions import assumed
 from fogreduce.gap.bundles import Bundles
-from fogreduce.gap.closure import Closure, measured
+from fogreduce.gap.closure import Closure, Key, measured
 from fogreduce.gap.data import Data, read_data
 from fogreduce.gap.evidence import Field
 from fogreduce.gap.findings import Finding
@@ -87,7 +91,7 @@ def diagnose(
     told("search")
     nothing = search.ground
     y0 = search.state([], nothing)
-    verdict = judged(search)
+    verdict = _judged(search)
     faults = [*where.gross(y0.field, nothing.candidates), *where.joined(nothing.families)]
     seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
     found = where.places(
@@ -103,6 +107,9 @@ def diagnose(
     if verdict.word != "no_gap":
         told("closure")
         closure = measured(search, verdict.state.causes, found)
+        if verdict.word == "explained" and closure.fraction + 1.96 * closure.std < priors.CLOSED:
+            verdict = replace(verdict, word="partly_explained")
+    parts = {} if closure is None else shares(data.inputs, verdict.state.causes, closure)
     told("next run")
     document = {
         "schema": SCHEMA,
@@ -113,7 +120,7 @@ def diagnose(
         "verdict": verdict.word,
         "gap_probability": round(verdict.gap_probability, 6),
         "where": where.document(found) if verdict.word != "no_gap" else [],
-        "causes": [_cause(verdict, one) for one in verdict.named],
+        "causes": [_cause(verdict, one, parts) for one in verdict.named],
         "unknown_probability": round(verdict.unknown_probability, 6),
         "closure": None if closure is None else _closure(closure),
         "remainder": _remainder(search, verdict),
@@ -121,6 +128,7 @@ def diagnose(
         "lost_records": {run.run_id: [run.lost, run.expected] for run in data.full if run.lost},
         "stamps_jump_s": {run.run_id: run.stamps.jump_s for run in data.full if run.stamps.jump_s},
         "assumed": assumed(data),
+        "tension": [one.document() for one in tensions(data.inputs, verdict.state)],
         "next_run": design.next_run(search, verdict) if verdict.named else None,
     }
     effects = [
@@ -129,6 +137,16 @@ def diagnose(
         if not c.unlogged
     ]
     return Diagnosis(document, effects, data, search, verdict, found, closure)
+
+
+def _judged(search: Search) -> Verdict:
+    """The verdict of the search for few causes; where that leaves something, of the one over whole sets."""
+    few = judged(search)
+    if few.word not in ("partly_explained", "unexplained"):
+        return few
+    many = verdict_of_sets(search)
+    better = many.word == "explained" or (many.word == "partly_explained" and few.word == "unexplained")
+    return many if better else few
 
 
 def _faint(verdict: Verdict, data: Data) -> Place:
@@ -143,8 +161,9 @@ def _faint(verdict: Verdict, data: Data) -> Place:
     return Place(source.stage, source.channels, runs, source.feature or "mean", sigma, max(best.q, 1e-6), 1)
 
 
-def _cause(verdict: Verdict, one: Named) -> dict[str, Any]:
+def _cause(verdict: Verdict, one: Named, parts: Mapping[Key, Share]) -> dict[str, Any]:
     cause = verdict.state.causes[one.index]
+    part = parts.get(cause.key)
     group = [
         {
             "effect": o.key[0],
@@ -163,6 +182,7 @@ def _cause(verdict: Verdict, one: Named) -> dict[str, Any]:
         "group_probability": round(min(one.group_probability, 1.0), 6),
         "group": group,
         "parameters": plain(cause.stated()),
+        "closure": None if part is None else asdict(part),
     }
 
 

@@ -15,6 +15,7 @@ from fogreduce.gap.html import document, table
 from fogreduce.gap.page_figures import figures, percent, place
 from fogreduce.gap.words import captures_in_words, in_words
 
+_TENSIONS = 8  # the greatest tensions with the record that the page shows
 _FAR = 10.0  # times what units of this class show: worth a word
 
 __all__ = ["figures", "page"]
@@ -48,8 +49,10 @@ def page(diagnosis: Diagnosis, drawn: Mapping[str, str], label: str | None = Non
         parts.append(_which(d, drawn))
     if d["closure"] is not None and d["causes"]:
         parts.append(_closure(d["closure"], drawn))
+        parts.append(_by_cause(d, drawn))
     if d["verdict"] != "no_gap":
         parts.append(_remains(d, drawn))
+    parts.append(_tension(d))
     if d["next_run"] is not None:
         parts.append(_next_run(d["next_run"]))
     parts.append(_left_out(diagnosis))
@@ -195,6 +198,49 @@ def _closure(closure: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
         f"<p>In numbers: {closure['before']:.1f} before, {closure['after']:.1f} after, "
         f"{closure['expected_if_closed']:.1f} expected if nothing were left "
         f'<span class="quiet">({escape(closure["measure"])})</span>.</p>'
+    )
+
+
+def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+    """What each cause closes, where there are several."""
+    if "waterfall.svg" not in drawn:
+        return ""
+    ranked = sorted((c for c in d["causes"] if c["closure"]), key=lambda c: c["closure"]["rank"])
+    rows = [
+        [
+            escape(in_words(c)),
+            f"{100 * c['closure']['alone']:.1f} &plusmn; {100 * c['closure']['alone_std']:.1f} %",
+            f"{100 * c['closure']['removed']:.1f} &plusmn; {100 * c['closure']['removed_std']:.1f} %",
+            f"{100 * c['closure']['cumulative']:.1f} %",
+        ]
+        for c in ranked
+    ]
+    return (
+        "<h2>Cause by cause</h2><p>The simulator with one cause after the other in it, the one that closes "
+        f"most first.</p>{drawn['waterfall.svg']}"
+        + table(("cause", "closes alone", "lost without it", "running total"), rows)
+    )
+
+
+def _tension(d: Mapping[str, Any]) -> str:
+    """What the runs say of the record's stated uncertainties."""
+    rows = [
+        [
+            escape(in_words({**t, "parameters": {}})),
+            f"{t['prior_std']:.3g} {escape(t['unit'])}",
+            f"{t['value']:.3g} &plusmn; {t['std']:.2g} {escape(t['unit'])}",
+            f"{t['sigma']:+.1f}",
+        ]
+        for t in d["tension"][:_TENSIONS]
+    ]
+    if not rows:
+        return ""
+    return (
+        "<h2>The calibration record, held against these runs</h2><p>What the record leaves open, as it "
+        "states it and as the runs see it, beside the causes above; the last column in stated standard "
+        "deviations. "
+        "Beyond 3 the record is in doubt, also where nothing is called a gap.</p>"
+        + table(("departure", "stated", "these runs", "sigma"), rows)
     )
 
 

@@ -46,6 +46,9 @@ def figures(diagnosis: Diagnosis) -> dict[str, str]:
     if members:
         out["causes.svg"] = svg.bars(members, "probability of each cause and its rivals", svg.AFTER, 1.0)
     if document["closure"] is not None and document["causes"]:
+        steps = waterfall(document)
+        if len(steps) > 1:
+            out["waterfall.svg"] = svg.bars(steps, "how far the gap closes, cause by cause", svg.AFTER, 1.0)
         out["closure.svg"] = svg.bars(_closed(document["closure"]), "how far the gap closes", svg.AFTER, 1.0)
     return out
 
@@ -69,6 +72,25 @@ def _closed(closure: Mapping[str, Any]) -> list[tuple[str, float, str]]:
     if "placebo_fraction" in closure:
         wrong = closure["placebo_fraction"]
         rows.append(("a wrong effect closes", wrong, f"{100 * wrong + 0.0:.1f} %".replace("-0.0", "0.0")))
+    return rows
+
+
+def waterfall(document: Mapping[str, Any]) -> list[tuple[str, float, str]]:
+    """Running totals of what the causes close, the one that closes most first; then the kinds."""
+    ranked = sorted((c for c in document["causes"] if c["closure"]), key=lambda c: c["closure"]["rank"])
+    kinds: dict[str, list[Mapping[str, Any]]] = {}
+    for cause in ranked:
+        kinds.setdefault(cause["effect"], []).append(cause)
+    rows, last = [], 0.0
+    for cause in ranked:
+        total = cause["closure"]["cumulative"]
+        rows.append((in_words(cause), total, f"{100 * (total - last):+.1f} % to {100 * total:.1f} %"))
+        last = total
+    for effect, members in kinds.items():
+        if 1 < len(members) < len(ranked):
+            lost = sum(c["closure"]["removed"] for c in members)
+            name = f"all {effect.replace('_', ' ')}"
+            rows.append((name, max(lost, 0.0), f"{100 * lost:.1f} % lost without them"))
     return rows
 
 

@@ -136,6 +136,8 @@ class State:
         Residual left, in a metric in which their amplitudes are free and wander.
     ground : Ground
         What it stands on.
+    shapes : (rows, d) array
+        How the causes may wander, whitened, one standard deviation each.
     wandered : float
         Ln evidence that the causes' sizes wander a little, at least 0.
     """
@@ -144,6 +146,7 @@ class State:
     causes: list[Cause]
     field: Field
     ground: Ground
+    shapes: Array
     wandered: float = 0.0
 
     @cached_property
@@ -249,7 +252,7 @@ class Search:
         data = self.data
         codes = g.whiten(converter_means(data.inputs, causes, data.noise_raw(), g.whiten.rows))
         shapes = np.column_stack([model.shapes, codes])
-        return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, free.gain(shapes))
+        return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, shapes, free.gain(shapes))
 
     # ------------------------------------------------------------------------------------ options
 
@@ -281,7 +284,7 @@ class Search:
             if finding.domain == "process":
                 log_b = self._doubted(log_b, finding.snr2, 8, state, finding.channels)
             out.append(
-                Option(None, finding, log_b, _log_prior(finding.known, finding.share), max(raw, log_b))
+                Option(None, finding, log_b, log_prior_of(finding.known, finding.share), max(raw, log_b))
             )
         return out
 
@@ -308,7 +311,7 @@ class Search:
         log_b = fit.log_b if c.fixed else self._doubted(fit.log_b, fit.q, k, state, c.channels)
         if _beyond(fit):
             log_b = min(log_b, -_IMPOSSIBLE)
-        return Option(fit, None, log_b, _log_prior(c.known, c.share), fit.log_b)
+        return Option(fit, None, log_b, log_prior_of(c.known, c.share), fit.log_b)
 
     def _doubted(self, log_b: float, q: float, k: int, state: State, channels: Sequence[str]) -> float:
         """Evidence less what mere departures of the causes found from the catalogue's shape could make."""
@@ -464,7 +467,8 @@ def _beyond(fit: Fit) -> bool:
     return any(not limits[k][0] <= v <= limits[k][1] for k, v in values.items() if k in limits)
 
 
-def _log_prior(known: bool, share: float) -> float:
+def log_prior_of(known: bool, share: float) -> float:
+    """Ln prior of an effect, or of something unknown, at a place that has a share of its name."""
     if known:
         return float(np.log(share / _NAMES))
     return float(LOG_UNKNOWN + np.log(share / _FAMILIES))

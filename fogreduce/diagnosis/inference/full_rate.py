@@ -1,0 +1,57 @@
+"""Causes that the full rate shows: lines, levels, link and codes, each statistic a factor of its own.
+
+What one of them finds is explained there and ends no other's search.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fogreduce.gap.causes import Cause
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.search import LOG_FURTHER, Search, log_prior_of
+
+_MOST = 60  # a bound on a loop that ends by itself: findings beside those taken
+
+
+@dataclass(frozen=True)
+class FullRateCauses:
+    """What the full rate names.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+    scores : tuple of float
+        Ln posterior odds of each when it was taken.
+    unknown : tuple of Finding
+        What is there, and no effect of the catalogue does as well.
+    """
+
+    causes: tuple[Cause, ...]
+    scores: tuple[float, ...]
+    unknown: tuple[Finding, ...]
+
+
+def full_rate_causes(search: Search) -> FullRateCauses:
+    """Take what the full rate shows, the most probable first, each beside those before it."""
+    causes: list[Cause] = []
+    scores: list[float] = []
+    unknown: dict[tuple[str, tuple[str, ...]], Finding] = {}
+    for _ in range(_MOST):
+        found = [f for f in search.fast.findings(causes) if (f.domain, f.channels) not in unknown]
+        taken = {c.key for c in causes}
+        found = [f for f in found if f.key not in taken or f.domain == "lines"]
+        best = max(found, key=_odds, default=None)
+        if best is None or _odds(best) <= 0.0:
+            break
+        if best.known:
+            causes.append(Cause.of_finding(best))
+            scores.append(_odds(best))
+        else:
+            unknown[best.domain, best.channels] = best
+    return FullRateCauses(tuple(causes), tuple(scores), tuple(unknown.values()))
+
+
+def _odds(finding: Finding) -> float:
+    """Ln posterior odds of a finding, beside any other causes."""
+    return finding.log_b + log_prior_of(finding.known, finding.share) + LOG_FURTHER

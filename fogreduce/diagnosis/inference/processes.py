@@ -1,0 +1,76 @@
+"""Random processes of the catalogue among the causes: each is a hypothesis of the noise, with sets of its
+own.
+
+A process imitates any drift, and a few drifts together imitate a process. So the two are compared as wholes:
+the residual's evidence under a noise with the process in it, and the best set of causes beside that, against
+the evidence without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fogreduce.diagnosis.inference.slow import SlowPosterior, slow_posterior
+from fogreduce.gap.candidate import EVERY
+from fogreduce.gap.causes import Cause
+from fogreduce.gap.findings import Finding
+from fogreduce.gap.search import LOG_FURTHER, Search, log_prior_of
+
+_MOST = 8  # processes: a bound on a loop that ends by itself
+#: What a size found among many costs, in ln evidence.
+_SIZE = 1.5
+#: Causes of one gyro from which on they may be a process in disguise.
+_SEVERAL = 2
+_DRIFTS = frozenset(
+    {"bias_ramp", "bias_step", "turn_on_bias", "warm_up", "temperature_bias", "temperature_rate_bias"}
+)
+
+
+def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
+    """The best sets of causes, with as many random processes in the noise as pay."""
+    here = slow_posterior(search, search.ground, given)
+    tried: set[tuple[object, ...]] = set()
+    for _ in range(_MOST):
+        best = _most_likely(search, here, tried)
+        if best is None:
+            break
+        tried.add(best.key)
+        causes = [*here.given, Cause.of_finding(best)]
+        there = slow_posterior(search, search.ground_of([c for c in causes if c.process]), causes)
+        price = log_prior_of(True, best.share) + LOG_FURTHER - _SIZE
+        if there.log_evidence + price > here.log_evidence:
+            here = there
+    return here
+
+
+def _most_likely(search: Search, here: SlowPosterior, tried: set[tuple[object, ...]]) -> Finding | None:
+    """The process that gains most beside the causes, or in place of a gyro's drifts; None if none does."""
+    ground = here.state.ground
+    found = [(f, f.log_b) for f in ground.processes.findings(here.state.field, search.allowed)]
+    for channel, gone in _drifting(here).items():
+        less = here.sets.without(here.best, gone)
+        keys = {here.sets.regression.entries[entry].key for entry in gone}
+        state = search.state([c for c in here.state.causes if c.key not in keys], ground, refine=False)
+        lost = here.best.score - less.score
+        found += [
+            (f, f.log_b - lost)
+            for f in ground.processes.findings(state.field, search.allowed)
+            if f.channels == (channel,)
+        ]
+    taken = {c.key for c in here.given}
+    worth = [
+        (gain, f)
+        for f, gain in found
+        if f.known and f.key not in tried | taken and gain + log_prior_of(True, f.share) + LOG_FURTHER > 0.0
+    ]
+    return max(worth, key=lambda pair: pair[0])[1] if worth else None
+
+
+def _drifting(here: SlowPosterior) -> dict[str, list[int]]:
+    """Gyros with several causes that drift, and those causes' entries."""
+    out: dict[str, list[int]] = {}
+    for entry in sorted(here.sets.entries(here.best.members)):
+        effect, channels, runs, _ = here.sets.regression.entries[entry].key
+        if len(channels) == 1 and (effect in _DRIFTS or runs != EVERY):
+            out.setdefault(channels[0], []).append(entry)
+    return {channel: entries for channel, entries in out.items() if len(entries) >= _SEVERAL}

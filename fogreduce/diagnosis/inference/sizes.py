@@ -1,0 +1,35 @@
+"""The prior of an effect's size: a mixture of scales in physical units about its realistic range."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.diagnosis import priors
+from fogreduce.effects.model import Parameter
+from fogreduce.effects.table import EFFECTS
+from fogreduce.gap.candidate import Candidate
+
+Array = NDArray[np.float64]
+
+#: What a candidate scales where that is not a parameter's name: a wave's parts, a tip's two directions.
+_PARTS = {"cos": "ppm", "sin": "ppm", "tip": "mrad", "field": "deg_h"}
+
+
+def size_parameter(candidate: Candidate) -> Parameter:
+    """The parameter whose realistic range speaks for a candidate's amplitudes."""
+    name = candidate.scales[0].split("[")[0]
+    name = _PARTS.get(name, name)
+    return next(p for p in EFFECTS[candidate.effect].parameters if p.name == name)
+
+
+def size_scales(realistic: tuple[float, float]) -> tuple[Array, Array]:
+    """Standard deviations of an amplitude and ln of their weights, from the range that units show."""
+    low, high = realistic
+    scales = [low * factor for factor, _ in priors.BELOW]
+    weights = [weight for _, weight in priors.BELOW]
+    scales += np.geomspace(low, high, priors.WITHIN).tolist()
+    weights += [priors.WITHIN_WEIGHT / priors.WITHIN] * priors.WITHIN
+    scales += [high * factor for factor, _ in priors.ABOVE]
+    weights += [weight for _, weight in priors.ABOVE]
+    return np.array(scales), np.log(np.array(weights) / sum(weights))

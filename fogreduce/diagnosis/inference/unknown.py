@@ -1,0 +1,92 @@
+"""What is unknown, asked about what is left and locally: an unknown at one gyro ends nothing at another.
+
+The closed world comes first. Then, at each place, families of the unknown are weighed beside the causes
+found, and in the stead of all the causes that sit there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fogreduce.diagnosis.inference.sets import CauseSet
+from fogreduce.diagnosis.inference.slow import SlowPosterior
+from fogreduce.gap.causes import Cause
+from fogreduce.gap.evidence import Field
+from fogreduce.gap.search import LOG_FURTHER, Option, Search, log_prior_of
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Something unknown at a place.
+
+    Attributes
+    ----------
+    channels : tuple of str
+    probability : float
+    instead : frozenset of keys
+        The causes in whose stead it stands; empty where it stands beside them.
+    """
+
+    channels: tuple[str, ...]
+    probability: float
+    instead: frozenset[tuple[object, ...]]
+
+
+def unknowns(search: Search, posterior: SlowPosterior) -> list[Unknown]:
+    """Places with their probability of something unknown."""
+    out = []
+    for channels, log_odds in _odds(search.options(posterior.state)).items():
+        out.append(Unknown(channels, _probability(log_odds), frozenset()))
+    entries = posterior.sets.entries(posterior.best.members)
+    keys = {entry: posterior.sets.regression.entries[entry].key for entry in entries}
+    for channels in {key[1] for key in keys.values()}:
+        gone = {entry for entry, key in keys.items() if key[1] == channels}
+        less = posterior.sets.without(posterior.best, gone)
+        lost = posterior.best.score - less.score
+        odds = _odds(_families(search, posterior, less, channels)).get(channels, -np.inf)
+        out.append(Unknown(channels, _probability(odds - lost), frozenset(keys[entry] for entry in gone)))
+    out += [_in_place_of_process(search, posterior, c) for c in posterior.given if c.process]
+    return out
+
+
+def _in_place_of_process(search: Search, posterior: SlowPosterior, process: Cause) -> Unknown:
+    """Something unknown at a gyro against a process of the catalogue, in a noise that has neither."""
+    others = [c for c in posterior.state.causes if c.key != process.key]
+    state = search.state(others, search.ground_of([c for c in others if c.process]), refine=False)
+    here = [o for o in search.options(state) if o.source.channels == process.channels]
+    own = max((o.score for o in here if o.key == process.key), default=-np.inf)
+    odds = _odds(here).get(process.channels, -np.inf) - LOG_FURTHER
+    return Unknown(process.channels, _probability(odds - own), frozenset({process.key}))
+
+
+def _families(
+    search: Search, posterior: SlowPosterior, less: CauseSet, channels: tuple[str, ...]
+) -> list[Option]:
+    """Families of the unknown at a place beside a set, held against what the set itself was."""
+    ground = posterior.state.ground
+    columns = posterior.columns[:, less.fit.columns]
+    field = Field.of(posterior.metric.beside(columns), posterior.y)
+    fits = [fit for fit in ground.families.fits(field) if fit.candidate.channels == channels]
+    out = [Option(fit, None, fit.log_b, log_prior_of(False, fit.candidate.share), fit.log_b) for fit in fits]
+    for f in ground.processes.findings(field, search.allowed):
+        if f.channels == channels and not f.known:
+            out.append(Option(None, f, f.log_b, log_prior_of(False, f.share), f.log_b))
+    return out
+
+
+def _odds(options: list[Option]) -> dict[tuple[str, ...], float]:
+    """Ln odds of something unknown in block means at each place."""
+    out: dict[tuple[str, ...], float] = {}
+    for o in options:
+        slow = o.fit is not None or o.process
+        if not o.known and slow:
+            out[o.source.channels] = float(
+                np.logaddexp(out.get(o.source.channels, -np.inf), o.score + LOG_FURTHER)
+            )
+    return out
+
+
+def _probability(log_odds: float) -> float:
+    return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))

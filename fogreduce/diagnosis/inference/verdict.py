@@ -1,0 +1,91 @@
+"""The verdict of a search over sets: full-rate causes, causes in block means, noise, and what is unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.full_rate import FullRateCauses, full_rate_causes
+from fogreduce.diagnosis.inference.processes import with_processes
+from fogreduce.diagnosis.inference.regression import additions
+from fogreduce.diagnosis.inference.rivals import Inclusion, inclusions
+from fogreduce.diagnosis.inference.slow import SlowPosterior, fit_of
+from fogreduce.diagnosis.inference.unknown import Unknown, unknowns
+from fogreduce.gap.evidence import Fit
+from fogreduce.gap.search import Option, Search
+from fogreduce.gap.verdict import Named, Verdict
+
+_MOST_MANY, _MOST_ONE = 4, 8  # members of a group, of several runs and of one
+
+
+def verdict_of_sets(search: Search) -> Verdict:
+    """Search sets of causes without a most number of them, and judge."""
+    full_rate = full_rate_causes(search)
+    posterior = with_processes(search, full_rate.causes)
+    left = unknowns(search, posterior)
+    state = posterior.state
+    named = _named(search, posterior, full_rate, left)
+    unknown = max([one.probability for one in left], default=0.0)
+    if full_rate.unknown:
+        unknown = 1.0
+    if left and any(one.instead for one in left if one.probability >= 0.5):
+        gone = {key for one in left if one.probability >= 0.5 for key in one.instead}
+        kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
+        numbers = {k: number for number, k in enumerate(kept)}
+        state = search.state([state.causes[k] for k in kept], state.ground)
+        named = [replace(one, index=numbers[one.index]) for one in named if one.index in numbers]
+    word = "explained" if unknown < 0.5 else "partly_explained"
+    if not named:
+        word = "unexplained" if unknown >= 0.5 else "no_gap"
+    gap = max([unknown, *(one.group_probability for one in named)], default=0.0)
+    ranked = tuple(sorted(named, key=lambda one: -one.probability))
+    return Verdict(word, gap, unknown, state, search.options(state), ranked)
+
+
+def _named(
+    search: Search, posterior: SlowPosterior, full_rate: FullRateCauses, left: Sequence[Unknown]
+) -> list[Named]:
+    """Every cause with its probability and group."""
+    causes = posterior.state.causes
+    odds = {c.key: score for c, score in zip(full_rate.causes, full_rate.scores, strict=True)}
+    known = {
+        posterior.sets.regression.entries[i.entry].key: i for i in inclusions(posterior.sets, posterior.best)
+    }
+    most = _MOST_ONE if len(search.data.inputs) == 1 else _MOST_MANY
+    out = []
+    for index, cause in enumerate(causes):
+        if cause.key in known:
+            out.append(_of_sets(posterior, known[cause.key], index, most))
+            continue
+        score = odds.get(cause.key, 10.0)
+        chance = float(1.0 / (1.0 + np.exp(-score)))
+        assert cause.finding is not None
+        option = Option(None, cause.finding, score, 0.0, score)
+        out.append(Named(index, chance, chance, ((option, chance),)))
+    return out
+
+
+def _of_sets(posterior: SlowPosterior, one: Inclusion, index: int, most: int) -> Named:
+    """A cause in block means: its rivals are what replaces it in other sets."""
+    least = max([one.probability, *(p for _, p in one.rivals)]) * np.exp(-priors.RIVAL)
+    own = _option(posterior.fit(one.entry))
+    group = [(own, one.probability)]
+    less = posterior.sets.without(posterior.best, [one.entry])
+    more = additions(posterior.sets.regression, less.fit)
+    for entry, chance in one.rivals:
+        numbers = posterior.sets.regression.of_entry[entry]
+        if chance < least or len(group) >= most or not np.any(np.isfinite(more.gain[numbers])):
+            continue
+        best = max(numbers, key=lambda n: float(more.gain[n]))
+        there = posterior.sets.with_option(less, best, more)
+        group.append((_option(fit_of(posterior.sets, there, there.members[-1])), chance))
+    group.sort(key=lambda pair: -pair[1])
+    whole = min(one.probability + sum(p for o, p in group if o is not own), 1.0)
+    return Named(index, one.probability, whole, tuple(group))
+
+
+def _option(fit: Fit) -> Option:
+    return Option(fit, None, fit.log_b, 0.0, fit.log_b)

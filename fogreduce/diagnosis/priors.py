@@ -1,0 +1,45 @@
+"""Every prior of the search over sets of causes, with its reason.
+
+Sizes themselves are priors of the effects: the realistic range that each parameter states
+(`fogreduce.effects.model.Parameter`), with its source in the effect's entry.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: That a kind of effect is present at all. Forty kinds of this probability make a bench right in three of
+#: four campaigns, and one kind wrong in most of the others.
+KIND = 0.0075
+
+#: Given the kind, that it sits at one place alone; otherwise any number of places, by a beta-binomial law:
+#: what ages at one gyro ages at the others (IEEE Std 952 states repeatabilities for a type, not for a unit).
+ALONE = 0.5
+#: Shapes of that law: of effects of every run, and of those of a single run or pair of gyros, which are
+#: rarely at many places.
+EVERY_GYRO, SOME_PLACES = (2.0, 1.0), (1.0, 3.0)
+
+#: That the calibration record as a whole has gone stale, what it states, how likely each of that is then, and
+#: the law of how many gyros have it.
+STALE, OF_RECORD = 0.03, frozenset({"bias_offset", "scale_factor_error", "axis_misalignment"})
+STALE_KIND, STALE_GYROS = 0.6, (4.0, 1.0)
+
+#: That all gyros are off by one common amount, beside amounts of their own.
+COMMON = 0.05
+
+#: Standard deviations of an amplitude, as factors of the ends of its realistic range, and their weights.
+#: Below the range effects are there but hardly seen; above it each decade is some three times rarer, which
+#: is a tail as heavy as Cauchy's.
+BELOW = ((0.03, 0.03), (0.1, 0.05), (0.3, 0.1))
+ABOVE = ((3.0, 0.1), (10.0, 0.04), (100.0, 0.012), (1e3, 0.004), (1e4, 0.001))
+WITHIN, WITHIN_WEIGHT = 5, 0.663
+
+#: Sets whose posterior falls short of the best one's by more than this factor are left out (Occam's window,
+#: Madigan and Raftery 1994, who take 20; groups of rivals need a wider one).
+WINDOW = np.log(1000.0)
+
+#: Rivals in a group are within this factor of the best of them.
+RIVAL = np.log(150.0)
+
+#: The closure that the 95 % interval must reach for a gap to be called explained (the diagnosis contract).
+CLOSED = 0.97

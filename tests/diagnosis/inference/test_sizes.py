@@ -1,0 +1,35 @@
+"""Priors of sizes: realistic ranges of every effect, and what they favour."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fogreduce.diagnosis.inference.sizes import size_scales
+from fogreduce.effects.table import EFFECTS
+
+
+@pytest.mark.parametrize(
+    "effect", [e for e in EFFECTS.values() if any(p.off is not None for p in e.parameters)]
+)
+def test_every_effect_with_a_size_states_its_realistic_range(effect) -> None:
+    first = effect.parameters[0]
+    assert first.realistic is not None
+    assert 0.0 < first.realistic[0] < first.realistic[1]
+
+
+def test_weights_are_a_probability_and_most_lies_within_the_range() -> None:
+    scales, logs = size_scales((0.1, 20.0))
+    weights = np.exp(logs)
+    assert weights.sum() == pytest.approx(1.0)
+    assert weights[(scales >= 0.1) & (scales <= 20.0)].sum() > 0.6
+
+
+def test_a_size_a_hundred_times_too_large_is_paid_for() -> None:
+    """A size drawn from the mixture's density: at 100 times the range's end far less likely than within."""
+    scales, logs = size_scales((0.1, 20.0))
+
+    def density_in_log(x: float) -> float:
+        return x * float(np.sum(np.exp(logs) * np.exp(-0.5 * (x / scales) ** 2) / scales))
+
+    assert density_in_log(2000.0) < 0.2 * density_in_log(2.0)
