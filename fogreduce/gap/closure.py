@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fogreduce.gap.candidate import Candidate
 from fogreduce.gap.causes import Cause
+from fogreduce.gap.converter_slow import converter_means
 from fogreduce.gap.data import Data
 from fogreduce.gap.departures import departures
 from fogreduce.gap.fast import Fast
@@ -126,9 +127,12 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     if families or slow:
         nominal = search.ground.nominal
         columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
-        folds = [_fold(search, parity, causes, columns) for parity in (0, 1)]
+        # what a converter does to block means is its own doing, of a phase that nobody knows
+        codes = converter_means(data.inputs, causes, data.noise_raw(), search.ground.whiten.rows)
+        wide = np.column_stack([columns, codes])
+        folds = [_fold(search, parity, causes, wide) for parity in (0, 1)]
         plain = folds
-        if _processes(causes):
+        if _processes(causes) or codes.shape[1]:
             plain = [_fold(search, parity, slow, columns) for parity in (0, 1)]
         for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
             mine: Sequence[Cause] = slow
@@ -156,9 +160,9 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
             one, number = squared_deviates(bare.metric, bare_features, bare.y)
             two, _ = squared_deviates(held.metric, features, held.y - there.change)
             before, after, expected = before + one, after + two, expected + number
-            wrong = _placebo(search, slow, fitted, held)
+            wrong = _placebo(search, slow, fitted, bare)
             if wrong is not None:
-                three, _ = squared_deviates(held.metric, features, held.y - wrong)
+                three, _ = squared_deviates(bare.metric, bare_features, bare.y - wrong)
                 placebo.append((one - three) / max(one - number, 1e-9))
     fast = [c for c in causes if c.finding is not None]
     held_out = "every other three-hundredth of each run, both ways" if families or slow else ""

@@ -57,8 +57,7 @@ def shares(inputs: Sequence[RunInput], causes: Sequence[Cause], closure: Closure
     keys = [c.key for c in causes]
     if not closure.held and not closure.at_full_rate:
         return {}
-    processes = frozenset(c.key for c in causes if c.process)
-    left = _Subsets(inputs, processes, closure)
+    left = _Subsets(inputs, frozenset(c.key for c in causes if _in_noise(c)), closure)
     full = left.closed(frozenset(keys))
     order, taken = [], frozenset[Key]()
     guess = _Guess(left)
@@ -80,7 +79,7 @@ class _Subsets:
     """What subsets of the causes leave, by simulation."""
 
     inputs: Sequence[RunInput]
-    processes: frozenset[Key]
+    in_noise: frozenset[Key]
     closure: Closure
 
     def closed(self, taken: frozenset[Key]) -> Closure:
@@ -92,7 +91,7 @@ class _Subsets:
 
     def _slow(self, held: HeldOut, taken: frozenset[Key]) -> float:
         mine = [c for c in held.causes if c.key in taken]
-        noisy = bool(self.processes & taken)
+        noisy = bool(self.in_noise & taken)
         whiten = held.whiten if noisy else held.bare_whiten
         change = np.zeros(whiten.rows.total)
         if mine:
@@ -137,3 +136,8 @@ def _onto(held: HeldOut, white: Array) -> Array:
     """Products of a fold's features with a whitened vector (rows,)."""
     products: Array = held.bare.gram(held.bare_features, white[:, None])[:, 0]
     return products
+
+
+def _in_noise(cause: Cause) -> bool:
+    """Whether a cause changes how far block means may be from their prediction, not the prediction."""
+    return bool(cause.process) or (cause.finding is not None and cause.finding.domain == "converter")
