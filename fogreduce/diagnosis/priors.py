@@ -41,5 +41,9 @@ WINDOW = np.log(1000.0)
 #: Rivals in a group are within this factor of the best of them.
 RIVAL = np.log(150.0)
 
+#: Signal-to-noise ratio of a whole gap beyond which sets of causes that add up are no description of it: a
+#: thousandth of it, as causes change each other's doing, is noise itself. Wiring and wrong senses are such.
+GROSS_GAP = 1000.0
+
 #: The closure that the 95 % interval must reach for a gap to be called explained (the diagnosis contract).
 CLOSED = 0.97

@@ -142,7 +142,9 @@ def diagnose(
 def _judged(search: Search) -> Verdict:
     """The verdict of the search for few causes; where that leaves something, of the one over whole sets."""
     few = judged(search)
-    if few.word not in ("partly_explained", "unexplained"):
+    nothing = search.state([], search.ground).field
+    gross = nothing.chi2 > len(nothing.y) + priors.GROSS_GAP**2
+    if gross or few.word not in ("partly_explained", "unexplained"):
         return few
     many = verdict_of_sets(search)
     better = many.word == "explained" or (many.word == "partly_explained" and few.word == "unexplained")
