@@ -51,9 +51,6 @@ Progress = Callable[[int], None]
 
 _BLOCKS_AHEAD = 2
 
-#: What quality.csv says of the clock that made the stamps.
-_CLOCK = ("rate_hz", "rate_ppm", "jitter_s")
-
 
 def _silent(records: int) -> None:
     """Progress that nobody wants to see."""
@@ -253,7 +250,6 @@ def _finish_ingest(setup: Setup, run_dir: Path, ingested: Mapping[str, Any], fou
         [kind, report[kind] or 0, setup.version_id] for kind in ("records", "expected", "lost", "torn_bytes")
     ]
     rows += [[kind, count, setup.version_id] for kind, count in report["flagged"].items()]
-    rows += [[kind, report["clock"][kind], setup.version_id] for kind in _CLOCK]
     tables.write_table(setup.table("quality"), ["what", "count", "version_id"], rows)
     write_warnings(setup, found)
     encoder_stage.write_encoder_table(setup, run_dir)

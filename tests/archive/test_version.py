@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import shutil
@@ -138,9 +139,8 @@ def test_it_stands_in_every_table_and_dataset(bench, run) -> None:
     version = reduced.setup.version_id
     assert len(version) == 16
     for path in (reduced.out / "tables").glob("*.csv"):
-        lines = path.read_text().splitlines()
-        place = lines[0].split(",").index("version_id")
-        assert all(line.split(",")[place] == version for line in lines[1:]), path.name
+        with path.open(newline="") as file:
+            assert all(row["version_id"] == version for row in csv.DictReader(file)), path.name
     datasets = list((reduced.out / "datasets").glob("*.nc"))
     assert len(datasets) >= 5
     for path in datasets:

@@ -44,7 +44,8 @@ def test_the_laboratory_itself_is_fine(small_lab, capsys):
     """Without a fault the same commands work: it is the fault that the table's messages answer."""
     assert main(small_lab.reduce()) == 0
     assert main(small_lab.manifest()) == 0
-    assert capsys.readouterr().err == ""
+    # Its readings are made up, and so do not follow its command: that alone is said.
+    assert all(line.startswith("red flag:") for line in capsys.readouterr().err.splitlines())
 
 
 def test_forty_faults_at_least():

@@ -71,4 +71,5 @@ def test_a_clock_set_back(small_lab, monkeypatch, capsys):
     assert main(small_lab.reduce()) == 0
     assert {path.name: path.read_bytes() for path in (small_lab.out / "tables").iterdir()} == tables
     assert main(["checksums", str(small_lab.out)]) == 0
-    assert capsys.readouterr().err == ""
+    # The laboratory's readings are made up, and so do not follow its command: that alone is said.
+    assert all(line.startswith("red flag:") for line in capsys.readouterr().err.splitlines())

@@ -114,14 +114,22 @@ def test_random_bytes_as_records(small_lab, capsys):
     assert "time stamps: found stamps from" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("line", ["nan,1,2,3,4", "6.25,1,inf,3,4", "abc,1,2,3,4", ",1,2,3,4"])
-def test_a_csv_line_that_is_no_record(small_lab, capsys, line):
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("nan,1,2,3,4", "time_s nan"),
+        ("6.25,1,inf,3,4", "infinity"),
+        ("abc,1,2,3,4", "time_s abc"),
+        (",1,2,3,4", "time nan"),
+    ],
+)
+def test_a_csv_line_that_is_no_record(small_lab, capsys, line, found):
     """Found by `check` as by `reduce`, which leaves no folder behind."""
     lines = csv_lines()
     lines[100] = line
     path = small_lab.write_csv(lines)
-    expected = f"{path}: line 101: found {line}; expected a time and 4 readings "
-    expected += "(finite numbers, or empty for no answer)\n"
+    expected = f"{path}: line 101: found {found}; expected a time [s] and 4 readings "
+    expected += "(finite numbers, or none for no answer)\n"
     assert main(["check", str(small_lab.run), "--calibrations", str(small_lab.calibrations)]) == 2
     assert capsys.readouterr().err == expected
     assert main(small_lab.reduce()) == 2

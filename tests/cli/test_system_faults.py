@@ -20,11 +20,11 @@ IS_ROOT = os.geteuid() == 0
 
 
 def run(arguments, before=None) -> tuple[int, str]:
-    """Exit status and standard error of the command; nothing may stand on standard output."""
+    """Exit status and standard error of the command; on standard output a run's summary alone."""
     done = subprocess.run(
         [COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=60, preexec_fn=before
     )
-    assert done.stdout == ""
+    assert len(done.stdout.splitlines()) <= (done.returncode == 0)
     assert "Traceback" not in done.stderr
     return done.returncode, done.stderr
 

@@ -20,7 +20,7 @@ def spoiled(time_us, pulse, counts):
     counts[0, generator.choice(pulse.size, 20, replace=False)] = -(2**31)
     counts[-1, generator.choice(pulse.size, 20, replace=False)] = 2**29
     order = np.delete(np.arange(pulse.size), [500, 501, 502, 3000])
-    order = np.insert(order, 1000, [10, 501])
+    order = np.insert(order, 1000, [30, 501])
     time_us = time_us[order].copy()
     time_us[2000] += 10_000_000
     return time_us, pulse[order], counts[:, order]
