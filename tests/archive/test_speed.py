@@ -80,5 +80,5 @@ def test_each_byte_is_read_once(archived):
     found = measured(archived.bag)
     assert found["faults"] == 0
     tags = sum(path.stat().st_size for path in archived.bag.glob("*.txt"))
-    # Beside the hashing pass: HDF5's directories of ten datasets, run.yaml, campaign.yaml, tables, the record.
+    # Beside the hashing pass: HDF5's directories of ten datasets, run.yaml, campaign.yaml, tables, record.
     assert found["read"] - found["bytes"] - tags < 700_000
