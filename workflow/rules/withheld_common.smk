@@ -20,7 +20,9 @@ if unknown := sorted(WITHHELD.keys() - WITHHELD_DEFAULTS.keys()):
         f"withheld: no setting {', '.join(unknown)}; expected {', '.join(WITHHELD_DEFAULTS)}"
     )
 if WITHHELD["study"] not in ("small", "full", "whole"):
-    raise ValueError(f"withheld: study {WITHHELD['study']}; expected small, full or whole")
+    raise ValueError(
+        f"withheld: study {WITHHELD['study']}; expected small, full or whole"
+    )
 # The protocol's command checks the number of cases.
 WITHHELD_CASES = {"small": 20, "full": 1216, "whole": 1500}[WITHHELD["study"]]
 WITHHELD_OUT = f"{config.get('results_dir', 'results')}/withheld/{WITHHELD['study']}-{WITHHELD['seed']}"
