@@ -18,13 +18,13 @@ from fogreduce.datasets.flags import UNUSABLE_RECORD
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
 from fogreduce.datasets.run_logs import temperatures_of
-from fogreduce.errors import BadInput, Fault
+from fogreduce.errors import BadInput
 from fogreduce.estimate.bins import Bins, bins_of
 from fogreduce.estimate.uncertainty import StatedErrors, axis_rates, motion_departures
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.facts import RunFacts
-from fogreduce.metadata.folder import cross_check, list_runs, load_calibration, load_run
+from fogreduce.metadata.folder import runs_of_one_record
 from fogreduce.metadata.run import Run
 from fogreduce.stages.ingest import Ingest, usable_gyros
 
@@ -85,34 +85,7 @@ def read_campaign(campaign: Path, calibrations: Path, only: Sequence[str] = ()) 
     BadInput
         With every fault of the runs; runs of several records.
     """
-    faults: list[Fault] = []
-    found = []
-    folders = list_runs(campaign)
-    names = [folder.name for folder in folders]
-    for name in only:
-        if name not in names:
-            raise BadInput.at("--only-runs", "", found=name, expected="one of " + ", ".join(names))
-    for folder in folders:
-        if only and folder.name not in only:
-            continue
-        try:
-            run = load_run(folder)
-            record, _ = load_calibration(calibrations, run.calibration)
-            cross_check(run, record, folder / "run.yaml")
-            found.append(read_run(folder, run, record))
-        except BadInput as error:
-            faults += error.faults
-    if faults:
-        raise BadInput(*dict.fromkeys(faults))
-    records = sorted({one.run.calibration for one in found})
-    if len(records) > 1:
-        raise BadInput.at(
-            campaign,
-            "calibration",
-            found="runs of " + " and ".join(records),
-            expected="runs of one calibration record (choose with --only-runs)",
-        )
-    return found
+    return runs_of_one_record(campaign, calibrations, only, read_run)
 
 
 def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:

@@ -15,13 +15,13 @@ from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
 from fogreduce.datasets.run_logs import temperatures_of
 from fogreduce.effects.selection import Action
-from fogreduce.errors import BadInput, Fault
+from fogreduce.errors import BadInput
 from fogreduce.gap.blocks import Blocks
 from fogreduce.gap.predict import Scene
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.config import OutliersConfig
 from fogreduce.metadata.facts import RunFacts
-from fogreduce.metadata.folder import cross_check, list_runs, load_calibration, load_run
+from fogreduce.metadata.folder import runs_of_one_record
 from fogreduce.metadata.run import Run
 from fogreduce.simulate.plan import facts_of
 from fogreduce.stages.ingest import Ingest
@@ -79,36 +79,13 @@ def read_inputs(
 
     All runs must be of one unit and one calibration record: a gap is a statement about one unit.
     """
-    folders = list_runs(campaign)
-    known = [folder.name for folder in folders]
-    for name in only:
-        if name not in known:
-            raise BadInput.at("--only-runs", "", found=name, expected="one of " + ", ".join(known))
-    faults: list[Fault] = []
-    inputs: list[RunInput] = []
-    for folder in folders:
-        if only and folder.name not in only:
-            continue
-        try:
-            run = load_run(folder, need_capture=need_capture)
-            record, _ = load_calibration(calibrations, run.calibration)
-            cross_check(run, record, folder / "run.yaml")
-            facts = facts_of(run, record)
-            log = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
-            inputs.append(RunInput(run, record, facts, Scene(facts, log, Blocks.of(facts)), folder))
-        except BadInput as error:
-            faults += error.faults
-    if faults:
-        raise BadInput(*dict.fromkeys(faults))
-    records = sorted({one.run.calibration for one in inputs})
-    if len(records) > 1:
-        raise BadInput.at(
-            campaign,
-            "calibration",
-            found="runs of " + " and ".join(records),
-            expected="runs of one calibration record (choose with --only-runs)",
-        )
-    return inputs
+
+    def ready(folder: Path, run: Run, record: CalibrationRecord) -> RunInput:
+        facts = facts_of(run, record)
+        log = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
+        return RunInput(run, record, facts, Scene(facts, log, Blocks.of(facts)), folder)
+
+    return runs_of_one_record(campaign, calibrations, only, ready, need_capture=need_capture)
 
 
 def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:

@@ -8,7 +8,9 @@ from __future__ import annotations
 import os
 import re
 import unicodedata
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.base import CALIBRATION_PATTERN
@@ -20,6 +22,8 @@ from fogreduce.metadata.run import Run
 from fogreduce.metadata.words import kind_of
 from fogreduce.metadata.yaml12 import load_yaml
 from fogreduce.physics.raw_quantity import RAW_UNITS, unit_in_use
+
+T = TypeVar("T")
 
 
 def is_name(text: str) -> bool:
@@ -182,6 +186,62 @@ def cross_check(run: Run, record: CalibrationRecord, file: Path | str = "run.yam
         wrong.append(("capture.raw_unit", captured_in, f"{fitting}, as {record.record_id} is in {stated_in}"))
     if wrong:
         raise BadInput(*(Fault(str(file), *parts) for parts in wrong))
+
+
+def runs_of_one_record(
+    campaign: Path,
+    calibrations: Path,
+    only: Sequence[str],
+    make: Callable[[Path, Run, CalibrationRecord], T],
+    *,
+    need_capture: bool = True,
+) -> list[T]:
+    """What `make` makes of each run of a campaign, folder and metadata given, all of one calibration record.
+
+    Parameters
+    ----------
+    campaign, calibrations : Path
+    only : run ids
+        Empty: all.
+    make : callable
+        Its bad input is collected with that of the metadata.
+    need_capture : bool
+        As `load_run` takes it.
+
+    Raises
+    ------
+    BadInput
+        With every fault of the runs; for runs of several records.
+    """
+    folders = list_runs(campaign)
+    names = [folder.name for folder in folders]
+    for name in only:
+        if name not in names:
+            raise BadInput.at("--only-runs", "", found=name, expected="one of " + ", ".join(names))
+    faults: list[Fault] = []
+    found: list[T] = []
+    records = set()
+    for folder in folders:
+        if only and folder.name not in only:
+            continue
+        try:
+            run = load_run(folder, need_capture=need_capture)
+            record, _ = load_calibration(calibrations, run.calibration)
+            cross_check(run, record, folder / "run.yaml")
+            found.append(make(folder, run, record))
+            records.add(run.calibration)
+        except BadInput as error:
+            faults += error.faults
+    if faults:
+        raise BadInput(*dict.fromkeys(faults))
+    if len(records) > 1:
+        raise BadInput.at(
+            campaign,
+            "calibration",
+            found="runs of " + " and ".join(sorted(records)),
+            expected="runs of one calibration record (choose with --only-runs)",
+        )
+    return found
 
 
 def _with_default_calibration(data: dict[str, object], run_dir: Path) -> dict[str, object]:
