@@ -40,7 +40,7 @@ import json, os, sys
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 from pathlib import Path
-from fogreduce.gap.diagnose import diagnose, plain
+from fogreduce.diagnosis.diagnose import diagnose, plain
 found = diagnose(Path(sys.argv[1]), Path(sys.argv[2]))
 Path(sys.argv[3]).write_text(json.dumps(plain(found.document)))
 """

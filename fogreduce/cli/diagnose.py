@@ -16,7 +16,7 @@ from fogreduce.cli.raw import refuse_raw, run_ids
 from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
-    from fogreduce.gap.diagnose import Diagnosis
+    from fogreduce.diagnosis.diagnose import Diagnosis
 
 _PROBABILITY, _SNR = 0.95, 10.0
 
@@ -132,9 +132,9 @@ def _diagnose(
     campaign: Path, out: Path, without: Sequence[str], only: Sequence[str], args: argparse.Namespace
 ) -> None:
     """One campaign; its verdict on standard output."""
-    from fogreduce.gap.diagnose import STEPS, diagnose
-    from fogreduce.gap.words import captures_in_words
-    from fogreduce.gap.write import write
+    from fogreduce.diagnosis.diagnose import STEPS, diagnose
+    from fogreduce.diagnosis.report.words import captures_in_words
+    from fogreduce.diagnosis.report.write import write
     from fogreduce.metadata.folder import load_campaign
 
     names = (*STEPS, *(["verification"] if args.verify_next else []), "page")
@@ -159,8 +159,8 @@ def _detectable(
     campaign: Path, out: Path | None, without: Sequence[str], only: Sequence[str], args: argparse.Namespace
 ) -> None:
     """What a planned campaign would show, on standard output, and into a folder where one is given."""
-    from fogreduce.gap.detectable import detectable
-    from fogreduce.gap.detectable_write import in_text, write_detectable
+    from fogreduce.diagnosis.next.detectable import detectable
+    from fogreduce.diagnosis.next.detectable_write import in_text, write_detectable
 
     probability = _PROBABILITY if args.probability is None else args.probability
     snr = _SNR if args.snr is None else args.snr
@@ -179,7 +179,7 @@ def _verify_next(
     args: argparse.Namespace,
 ) -> None:
     """Add to the document what the proposed run would bring."""
-    from fogreduce.gap.verify_next import verified
+    from fogreduce.diagnosis.next.verify import verified
 
     found = verified(diagnosis, campaign, args.calibrations, without, only)
     if found is not None:

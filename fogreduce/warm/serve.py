@@ -27,7 +27,7 @@ SOCKET = "socket"
 ALWAYS = ("fogreduce.archive.manifest", "fogreduce.archive.versions", "fogreduce.stages.run")
 PER_COMMAND = {
     "figures": ("fogreduce.figures.catalogue", "fogreduce.figures.results", "fogreduce.figures.save"),
-    "diagnose": ("fogreduce.gap.diagnose", "fogreduce.gap.write"),
+    "diagnose": ("fogreduce.diagnosis.diagnose", "fogreduce.diagnosis.report.write"),
     "page": ("fogreduce.pages.overview", "fogreduce.pages.run_page"),
     "simulate": ("fogreduce.simulate.campaign", "fogreduce.simulate.plan"),
 }

@@ -76,7 +76,7 @@ def test_a_campaign_that_cannot_be_diagnosed_stops_no_other(made, tmp_path, caps
 
 
 def test_a_fault_of_ours_in_one_campaign_stops_no_other(made, tmp_path, capsys, monkeypatch) -> None:
-    from fogreduce.gap import diagnose as module
+    from fogreduce.diagnosis import diagnose as module
 
     right = module.diagnose
 

@@ -87,7 +87,7 @@ def test_steps_of_a_quick_or_piped_command_are_silent(monkeypatch):
 
 def test_diagnose_names_its_steps(small_lab, monkeypatch, capsys):
     """Those that the command announces are those that a diagnosis goes through."""
-    from fogreduce.gap import diagnose
+    from fogreduce.diagnosis import diagnose
 
     def enough(*given):
         raise InterruptedError

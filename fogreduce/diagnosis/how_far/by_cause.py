@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.gap.capture import RunInput
-from fogreduce.gap.causes import Cause
-from fogreduce.gap.closure import Closure, HeldOut, Key, squared_deviates
-from fogreduce.gap.model import simulated
+from fogreduce.diagnosis.how_far.closure import Closure, HeldOut, Key, squared_deviates
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.model import simulated
+from fogreduce.diagnosis.observe.capture import RunInput
 
 Array = NDArray[np.float64]
 

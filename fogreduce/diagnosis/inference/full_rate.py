@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fogreduce.gap.causes import Cause
-from fogreduce.gap.findings import Finding
-from fogreduce.gap.search import LOG_FURTHER, Search, log_prior_of
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, log_prior_of
 
 _MOST = 60  # a bound on a loop that ends by itself: findings beside those taken
 

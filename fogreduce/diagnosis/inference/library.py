@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
+from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.hierarchy import Kind
+from fogreduce.diagnosis.inference.noise_model import Metric
 from fogreduce.diagnosis.inference.regression import Entry, Option, Regression
 from fogreduce.diagnosis.inference.sizes import size_parameter, size_scales
-from fogreduce.gap.candidate import EVERY, Candidate
-from fogreduce.gap.evidence import Field
-from fogreduce.gap.noise_model import Metric
 
 Array = NDArray[np.float64]
 

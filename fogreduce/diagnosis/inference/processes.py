@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fogreduce.diagnosis.inference.candidate import EVERY
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, log_prior_of
 from fogreduce.diagnosis.inference.slow import SlowPosterior, slow_posterior
-from fogreduce.gap.candidate import EVERY
-from fogreduce.gap.causes import Cause
-from fogreduce.gap.findings import Finding
-from fogreduce.gap.search import LOG_FURTHER, Search, log_prior_of
 
 _MOST = 8  # processes: a bound on a loop that ends by itself
 #: What a size found among many costs, in ln evidence.

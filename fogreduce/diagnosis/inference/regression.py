@@ -17,9 +17,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.hierarchy import Kind
-from fogreduce.gap.candidate import Candidate
-from fogreduce.gap.noise_model import Metric
+from fogreduce.diagnosis.inference.noise_model import Metric
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.effects.model import Parameter
 from fogreduce.effects.table import EFFECTS
-from fogreduce.gap.candidate import Candidate
 
 Array = NDArray[np.float64]
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis.inference.causes import SHAPES, Cause
+from fogreduce.diagnosis.inference.evidence import Field, Fit
 from fogreduce.diagnosis.inference.library import Library, at_point
+from fogreduce.diagnosis.inference.model import modelled_change
+from fogreduce.diagnosis.inference.noise_model import Metric
 from fogreduce.diagnosis.inference.regression import Member
+from fogreduce.diagnosis.inference.search import Ground, Search, State
 from fogreduce.diagnosis.inference.sets import CauseSet, SetSearch
-from fogreduce.gap.causes import SHAPES, Cause
-from fogreduce.gap.evidence import Field, Fit
-from fogreduce.gap.model import modelled_change
-from fogreduce.gap.noise_model import Metric
-from fogreduce.gap.search import Ground, Search, State
 
 Array = NDArray[np.float64]
 

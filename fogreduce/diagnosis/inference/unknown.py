@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.search import LOG_FURTHER, Option, Search, log_prior_of
 from fogreduce.diagnosis.inference.sets import CauseSet
 from fogreduce.diagnosis.inference.slow import SlowPosterior
-from fogreduce.gap.causes import Cause
-from fogreduce.gap.evidence import Field
-from fogreduce.gap.search import LOG_FURTHER, Option, Search, log_prior_of
 
 
 @dataclass(frozen=True)

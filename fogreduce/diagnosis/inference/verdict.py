@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.evidence import Fit
 from fogreduce.diagnosis.inference.full_rate import FullRateCauses, full_rate_causes
+from fogreduce.diagnosis.inference.outcome import Named, Verdict
 from fogreduce.diagnosis.inference.processes import with_processes
 from fogreduce.diagnosis.inference.regression import additions
 from fogreduce.diagnosis.inference.rivals import Inclusion, inclusions
+from fogreduce.diagnosis.inference.search import Option, Search
 from fogreduce.diagnosis.inference.slow import SlowPosterior, fit_of
 from fogreduce.diagnosis.inference.unknown import Unknown, unknowns
-from fogreduce.gap.evidence import Fit
-from fogreduce.gap.search import Option, Search
-from fogreduce.gap.verdict import Named, Verdict
 
 _MOST_MANY, _MOST_ONE = 4, 8  # members of a group, of several runs and of one
 

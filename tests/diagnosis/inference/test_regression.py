@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.hierarchy import Kind
+from fogreduce.diagnosis.inference.noise_model import Metric
 from fogreduce.diagnosis.inference.regression import (
     Entry,
     Member,
@@ -16,8 +18,6 @@ from fogreduce.diagnosis.inference.regression import (
     fitted,
     worths,
 )
-from fogreduce.gap.candidate import Candidate
-from fogreduce.gap.noise_model import Metric
 
 ROWS = 30
 SCALES = np.array([0.5, 3.0])

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from bench_lab import diagnosed, lab, simulated
 
+from fogreduce.diagnosis.inference.outcome import Verdict
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.verdict import verdict_of_sets
+from fogreduce.diagnosis.observe.data import read_data
 from fogreduce.effects.table import EFFECTS
-from fogreduce.gap.data import read_data
-from fogreduce.gap.search import Search
-from fogreduce.gap.verdict import Verdict
 
 GYROS = [f"gyro{i}" for i in range(1, 5)]
 

@@ -1,0 +1,247 @@
+"""A campaign, diagnosed: from folders to the document that a diagnosis is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.how_far.by_cause import Share, shares
+from fogreduce.diagnosis.how_far.closure import Closure, Key, measured
+from fogreduce.diagnosis.inference.bundles import Bundles
+from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.outcome import Named, Verdict, judged
+from fogreduce.diagnosis.inference.search import Search
+from fogreduce.diagnosis.inference.significance import significance
+from fogreduce.diagnosis.inference.tension import tensions
+from fogreduce.diagnosis.inference.verdict import verdict_of_sets
+from fogreduce.diagnosis.next import design
+from fogreduce.diagnosis.observe.assumptions import assumed
+from fogreduce.diagnosis.observe.data import Data, read_data
+from fogreduce.diagnosis.where import places as where
+from fogreduce.diagnosis.where.places import Place
+from fogreduce.effects.table import EFFECTS
+from fogreduce.errors import BadInput
+from fogreduce.physics.special import log_chi2_tail
+
+SCHEMA = "fogreduce/diagnosis/1"
+#: The steps of a diagnosis, in order.
+STEPS = ("reading", "spectra", "search", "closure", "next run")
+_OTHER = {"channel_swap": "with", "crosstalk": "source"}  # the parameter that names another gyro
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """A diagnosis with what it rests on.
+
+    Attributes
+    ----------
+    document : mapping
+        What diagnosis.json holds.
+    effects : list of mappings
+        Causes as entries of an effects file; what a temperature without a log does cannot be among them.
+    data, search, verdict : what it rests on
+    places : list of Place
+    closure : Closure or None
+    """
+
+    document: dict[str, Any]
+    effects: list[dict[str, Any]]
+    data: Data
+    search: Search
+    verdict: Verdict
+    places: list[Place]
+    closure: Closure | None
+
+
+def diagnose(
+    campaign: Path,
+    calibrations: Path,
+    without: Sequence[str] = (),
+    only: Sequence[str] = (),
+    simulated: Path | None = None,
+    told: Callable[[str], None] = lambda step: None,
+) -> Diagnosis:
+    """Diagnose a campaign folder.
+
+    Parameters
+    ----------
+    campaign, calibrations : Path
+    without : names of effects
+        Taken out of the catalogue.
+    only : run ids
+        Empty: all.
+    simulated : Path or None
+        A campaign folder whose captures are the prediction, in place of our own simulator's.
+    told : callable
+        Hears which of `STEPS` begins.
+    """
+    for name in without:
+        if name not in EFFECTS:
+            raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
+    allowed = frozenset(EFFECTS) - frozenset(without)
+    told("reading")
+    data = read_data(campaign, calibrations, only, simulated)
+    told("spectra")
+    search = Search(data, allowed)
+    told("search")
+    nothing = search.ground
+    y0 = search.state([], nothing)
+    verdict = _judged(search)
+    faults = [*where.gross(y0.field, nothing.candidates), *where.joined(nothing.families)]
+    seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
+    found = where.places(
+        y0.field,
+        seats,
+        search.fast.findings([]),
+        lambda field: nothing.processes.findings(field, allowed),
+        data.run_ids,
+    )
+    if verdict.word != "no_gap" and not found:
+        found = [_faint(verdict, data)]
+    closure = None
+    if verdict.word != "no_gap":
+        told("closure")
+        closure = measured(search, verdict.state.causes, found)
+        if verdict.word == "explained" and closure.fraction + 1.96 * closure.std < priors.CLOSED:
+            verdict = replace(verdict, word="partly_explained")
+    parts = {} if closure is None else shares(data.inputs, verdict.state.causes, closure)
+    told("next run")
+    document = {
+        "schema": SCHEMA,
+        "campaign": campaign.resolve().name,
+        "runs": data.run_ids,
+        "raw_unit": data.inputs[0].facts.raw_unit.name,
+        "catalogue": [name for name in EFFECTS if name in allowed],
+        "verdict": verdict.word,
+        "gap_probability": round(verdict.gap_probability, 6),
+        "where": where.document(found) if verdict.word != "no_gap" else [],
+        "causes": [_cause(verdict, one, parts) for one in verdict.named],
+        "unknown_probability": round(verdict.unknown_probability, 6),
+        "closure": None if closure is None else _closure(closure),
+        "remainder": _remainder(search, verdict),
+        "constant_gyros": [one.document() for one in data.constant],
+        "lost_records": {run.run_id: [run.lost, run.expected] for run in data.full if run.lost},
+        "stamps_jump_s": {run.run_id: run.stamps.jump_s for run in data.full if run.stamps.jump_s},
+        "assumed": assumed(data),
+        "tension": [one.document() for one in tensions(data.inputs, verdict.state)],
+        "next_run": design.next_run(search, verdict) if verdict.named else None,
+    }
+    effects = [
+        {"effect": c.effect, "channels": list(c.channels), "runs": list(c.runs), "parameters": c.parameters()}
+        for c in verdict.state.causes
+        if not c.unlogged
+    ]
+    return Diagnosis(document, effects, data, search, verdict, found, closure)
+
+
+def _judged(search: Search) -> Verdict:
+    """The verdict of the search for few causes; where that leaves something, of the one over whole sets."""
+    few = judged(search)
+    nothing = search.state([], search.ground).field
+    gross = nothing.chi2 > len(nothing.y) + priors.GROSS_GAP**2
+    if gross or few.word not in ("partly_explained", "unexplained"):
+        return few
+    many = verdict_of_sets(search)
+    better = many.word == "explained" or (many.word == "partly_explained" and few.word == "unexplained")
+    return many if better else few
+
+
+def _faint(verdict: Verdict, data: Data) -> Place:
+    """The best place of a gap that no place alone shows beyond doubt."""
+    unknown = [o for o in verdict.left if not o.known] or verdict.left
+    best = max(unknown, key=lambda o: o.log_b)
+    if verdict.named and verdict.named[0].group:
+        best = verdict.named[0].group[0][0]
+    source = best.source
+    runs = tuple(data.run_ids) if source.runs == ("*",) else source.runs
+    sigma = significance(max(best.q, 0.0), 1)
+    return Place(source.stage, source.channels, runs, source.feature or "mean", sigma, max(best.q, 1e-6), 1)
+
+
+def _cause(verdict: Verdict, one: Named, parts: Mapping[Key, Share]) -> dict[str, Any]:
+    cause = verdict.state.causes[one.index]
+    part = parts.get(cause.key)
+    group = [
+        {
+            "effect": o.key[0],
+            "channels": list(o.key[1]),
+            "runs": list(o.key[2]),
+            **({"parameters": {_OTHER[o.key[0]]: {"value": o.key[3], "std": None}}} if o.key[3] else {}),
+            "probability": round(min(p, 1.0), 6),
+        }
+        for o, p in one.group
+    ]
+    return {
+        "effect": cause.effect,
+        "channels": list(cause.channels),
+        "runs": list(cause.runs),
+        "probability": round(min(one.probability, 1.0), 6),
+        "group_probability": round(min(one.group_probability, 1.0), 6),
+        "group": group,
+        "parameters": plain(cause.stated()),
+        "closure": None if part is None else asdict(part),
+    }
+
+
+def _closure(closure: Closure) -> dict[str, Any]:
+    fraction, std = closure.fraction, closure.std
+    out = {
+        "measure": closure.measure,
+        "held_out": closure.held_out,
+        "before": closure.before,
+        "after": closure.after,
+        "expected_if_closed": closure.expected,
+        "fraction": fraction,
+        "std": std,
+        "interval_95": [fraction - 1.96 * std, fraction + 1.96 * std],
+    }
+    if closure.placebo is not None:
+        out["placebo_fraction"] = closure.placebo
+    return out
+
+
+def _remainder(search: Search, verdict: Verdict) -> dict[str, Any]:
+    """What is left beside the causes."""
+    options = [o for o in verdict.left if not o.known]
+    significant = verdict.word in ("partly_explained", "unexplained")
+    log_ps = [0.0]
+    for option in options:
+        k = (
+            option.fit.candidate.columns.shape[2]
+            if option.fit is not None
+            else getattr(option.source, "degrees", 1)
+        )
+        log_ps.append(min(log_chi2_tail(max(option.q, 1e-9), int(k)) + np.log(300.0), 0.0))
+    state, found = verdict.state, []
+    if significant:
+        findings = [o.finding for o in options if o.finding is not None and not o.process]
+
+        def processes(field: Field) -> list[Finding]:
+            return [f for f in state.ground.processes.findings(field, search.allowed) if not f.known]
+
+        doubt = search.doubt_at(state, ["table"])
+        found = where.places(
+            state.field, state.ground.families, findings, processes, search.data.run_ids, doubt
+        )
+    return {
+        "significant": significant,
+        "p_value": float(np.exp(min(log_ps))),
+        "where": where.document(found) if found else [],
+    }
+
+
+def plain(value: Any) -> Any:
+    """Numbers of numpy as plain ones."""
+    if isinstance(value, dict):
+        return {key: plain(v) for key, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    return value

@@ -1,0 +1,255 @@
+"""Causes fitted together by Gauss-Newton on the simulator itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.diagnosis.inference.causes import UNSEEN, Cause
+from fogreduce.diagnosis.inference.departures import departures
+from fogreduce.diagnosis.inference.model import DELAYS, Model, modelled, modelled_change, sample_step
+from fogreduce.diagnosis.inference.noise_model import Metric, Whitener
+from fogreduce.diagnosis.observe.capture import RunInput
+from fogreduce.effects.table import EFFECTS
+
+Array = NDArray[np.float64]
+
+_RISE_S = 2.0  # no step is quite sudden: doubt of its instant [s]
+#: Noise softens the edge at which a voltage is clipped: doubt of it, relative.
+_EDGE = 0.01
+#: A time constant is looked at over so wide a range about the best one.
+_WIDE = np.geomspace(0.1, 10.0, 11)
+#: Steps to the samples between which the rate jumps; where they start: in blocks, about the delay at first.
+_MOST_MOVES = 8
+_ABOUT = np.arange(-8, 9) / 8.0
+_FAR = 2.0  # times what noise leaves
+_BY_FAR = 50.0  # of chi-squared
+
+
+def refined(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+    rounds: int = 4,
+) -> Model:
+    """The causes with the parameters that fit best, by damped Gauss-Newton; standard deviations from the
+    curvature.
+    """
+    if not any(c.theta for c in causes if c.slow):
+        return modelled(inputs, causes, whiten, nominal)
+    if any(name in DELAYS for c in causes for name in c.theta):
+        causes = _sought(inputs, causes, whiten, nominal, metric, y)
+        causes = _descended(inputs, causes, whiten, nominal, metric, y, _MOST_MOVES, True).causes
+    model = _descended(inputs, causes, whiten, nominal, metric, y, rounds, False)
+    causes = _with_spread(model.causes, _spread(inputs, model, whiten, metric))
+    held = [
+        _widened(inputs, causes, k, whiten, nominal, metric, y)
+        if "tau_s" in c.theta
+        else _between_samples(inputs, causes, k, whiten, nominal, metric, y)
+        for k, c in enumerate(causes)
+    ]
+    return replace(model, causes=tuple(held))
+
+
+def _sought(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+) -> list[Cause]:
+    """The causes with the best delays about theirs: from an edge in the wrong block no step leads on."""
+
+    def left(trial: Sequence[Cause]) -> float:
+        return _chi2(metric, y - modelled_change(inputs, trial, whiten, nominal))
+
+    best = list(causes)
+    for k, cause in enumerate(causes):
+        for name in DELAYS.keys() & cause.theta.keys():
+            if left(best) <= _FAR * whiten.rows.total:
+                return best
+            span = DELAYS[name] * max(one.scene.blocks.length_s for one in inputs)
+            values = [_within(cause, name, cause.theta[name] + share * span) for share in _ABOUT]
+            moved = [replace(cause, theta={**cause.theta, name: value}) for value in values]
+            best = min(([*best[:k], one, *best[k + 1 :]] for one in moved), key=left)
+    return best
+
+
+def _descended(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+    rounds: int,
+    whole: bool,
+) -> Model:
+    """The causes where steps of Gauss and Newton lead no further."""
+    model = modelled(inputs, causes, whiten, nominal, whole)
+    chi2 = _chi2(metric, y - model.change)
+    for _ in range(rounds):
+        gram = metric.gram(model.slopes, model.slopes)
+        scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+        step = (
+            np.linalg.lstsq(
+                gram / np.outer(scale, scale),
+                metric.gram(model.slopes, (y - model.change)[:, None])[:, 0] / scale,
+                rcond=1e-10,
+            )[0]
+            / scale
+        )
+        damping, better = 1.0, False
+        while damping > 0.05:
+            moved = _moved(model.causes, damping * step)
+            trial = modelled(inputs, moved, whiten, nominal, whole)
+            found = _chi2(metric, y - trial.change)
+            if found <= chi2 + 1e-9:
+                better = found < chi2 - 0.01
+                model, chi2 = trial, found
+                break
+            damping *= 0.35
+        if not better:
+            break
+    return model
+
+
+def _widened(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    which: int,
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+) -> Cause:
+    """A decaying effect with the spread of amplitude and time constant that the likelihood far from its peak
+    has.
+    """
+    cause = causes[which]
+    own, tau = cause.theta["deg_h"], cause.theta["tau_s"]
+    values, logs = [], []
+    for factor in _WIDE.tolist():
+        moved = replace(cause, theta={"deg_h": own, "tau_s": _within(cause, "tau_s", tau * factor)})
+        change = modelled_change(inputs, [*causes[:which], moved, *causes[which + 1 :]], whiten, nominal)
+        without = modelled_change(inputs, [*causes[:which], *causes[which + 1 :]], whiten, nominal)
+        column, left = (change - without)[:, None], (y - without)[:, None]
+        gram = max(float(metric.gram(column, column)[0, 0]), 1e-12)
+        size = float(metric.gram(column, left)[0, 0]) / gram
+        values.append((size * own, moved.theta["tau_s"], own**2 / gram))
+        logs.append(0.5 * size**2 * gram)
+    weight = np.exp(np.array(logs) - max(logs))
+    weight /= weight.sum()
+    a, t, variance = np.array(values).T
+    wide = {
+        "deg_h": float(np.sqrt(weight @ ((a - own) ** 2 + variance))),
+        "tau_s": float(np.sqrt(weight @ (t - tau) ** 2)),
+    }
+    return replace(cause, std={name: max(cause.std[name], wide[name]) for name in cause.std})
+
+
+def _between_samples(
+    inputs: Sequence[RunInput],
+    causes: Sequence[Cause],
+    which: int,
+    whiten: Whitener,
+    nominal: Array,
+    metric: Metric,
+    y: Array,
+) -> Cause:
+    """A delayed effect known at least to a sample, where a jump of the rate a sample off fits far worse."""
+    cause = causes[which]
+    std = dict(cause.std)
+    for name in DELAYS.keys() & cause.theta.keys():
+        step = max(sample_step(one, name) for one in inputs)
+        left = []
+        for shift in (-step, 0.0, step):
+            moved = replace(
+                cause, theta={**cause.theta, name: _within(cause, name, cause.theta[name] + shift)}
+            )
+            trial = [*causes[:which], moved, *causes[which + 1 :]]
+            left.append(_chi2(metric, y - modelled_change(inputs, trial, whiten, nominal)))
+        if min(left[0], left[2]) > left[1] + _BY_FAR:
+            std[name] = min(std[name], step / np.sqrt(3.0))
+    return replace(cause, std=std)
+
+
+def _spread(inputs: Sequence[RunInput], model: Model, whiten: Whitener, metric: Metric) -> Array:
+    """Covariance of all free numbers: from the curvature, and from how the effects may depart from their
+    shapes.
+    """
+    slow = [c for c in model.causes if c.slow]
+    weak = np.concatenate([_weak(c) for c in slow])
+    covariance = np.linalg.pinv(
+        metric.gram(model.slopes, model.slopes) + np.diag(weak), rcond=1e-13, hermitian=True
+    )
+    ids, n = [one.facts.run_id for one in inputs], whiten.rows.n
+    actions = [replace(c.action(ids, n), ordinal=k) for k, c in enumerate(slow)]
+    total: Array = np.asarray(covariance, np.float64)
+    for k in range(len(slow)):
+        shapes = departures(inputs, actions, k, whiten.rows)
+        if shapes.shape[1]:
+            shift = covariance @ metric.gram(model.slopes, whiten(shapes))
+            total = total + shift @ shift.T
+    return total
+
+
+def _weak(cause: Cause) -> Array:
+    """Inverse variances of a cause's numbers before any data: a vector is of no more than its own size."""
+    out = np.zeros(len(cause.theta))
+    parts = [k for k, name in enumerate(cause.theta) if name.endswith("]")]
+    values = list(cause.theta.values())
+    size = float(np.sqrt(sum(values[k] ** 2 for k in parts)))
+    if size > 0.0:
+        out[parts] = (UNSEEN * size) ** -2.0
+    return out
+
+
+def _chi2(metric: Metric, y: Array) -> float:
+    return float(metric.gram(y[:, None], y[:, None])[0, 0])
+
+
+def _moved(causes: Sequence[Cause], step: Array) -> list[Cause]:
+    out, k = [], 0
+    for cause in causes:
+        if cause.slow:
+            theta = dict(cause.theta)
+            for name in theta:
+                theta[name] = _within(cause, name, theta[name] + float(step[k]))
+                k += 1
+            cause = replace(cause, theta=theta)
+        out.append(cause)
+    return out
+
+
+def _within(cause: Cause, name: str, value: float) -> float:
+    """A number kept to what the effect accepts."""
+    for p in EFFECTS[cause.effect].parameters:
+        if p.name == name:
+            low = max(p.low, 1e-3) if name == "tau_s" else p.low
+            return float(np.clip(value, low, p.high))
+    return value
+
+
+def _with_spread(causes: Sequence[Cause], spread: Array) -> tuple[Cause, ...]:
+    out, k = [], 0
+    for cause in causes:
+        if cause.slow:
+            own = spread[k : k + len(cause.theta), k : k + len(cause.theta)]
+            std = dict(zip(cause.theta, np.sqrt(np.maximum(np.diag(own), 0.0)).tolist(), strict=True))
+            if "time_s" in std:
+                std["time_s"] = float(np.hypot(std["time_s"], _RISE_S))
+            if "volts" in std:
+                std["volts"] = float(np.hypot(std["volts"], _EDGE * cause.theta["volts"]))
+            out.append(replace(cause, std=std, spread=own))
+            k += len(cause.theta)
+        else:
+            out.append(cause)
+    return tuple(out)

@@ -1,0 +1,1 @@
+"""Which run to make next, and what a planned campaign would detect."""

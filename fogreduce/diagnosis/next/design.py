@@ -1,0 +1,264 @@
+"""The next run: which one separates the rivals that are still alive, and with what significance.
+
+Two rivals that predict for a run what lies d standard deviations apart are confused with a probability of
+at most ``exp(-d^2 / 8)`` (Chernoff); the best run has the least of it over all pairs, each weighed by how
+probable both are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.model import simulated
+from fogreduce.diagnosis.inference.noise_model import Metric, Whitener, nuisances, whitener
+from fogreduce.diagnosis.inference.outcome import Named, Verdict
+from fogreduce.diagnosis.inference.search import Option, Search
+from fogreduce.diagnosis.next.runs import (
+    DURATIONS,
+    RUN_ID,
+    Proposal,
+    as_input,
+    longest_s,
+    proposals,
+    temperature,
+)
+from fogreduce.diagnosis.observe.capture import RunInput
+from fogreduce.diagnosis.report.words import named
+from fogreduce.effects.table import EFFECTS
+
+Array = NDArray[np.float64]
+
+_MOST_RIVALS = 8
+_WORTH = 3.0  # separation from which on a longer run is worth a try [sigma]
+_ENOUGH = 6.0  # separation from which on two rivals count as told apart [sigma]
+
+
+@dataclass(frozen=True)
+class NextRun:
+    """The run proposed.
+
+    Attributes
+    ----------
+    proposal : Proposal
+    one : Named
+        The cause whose rivals it separates.
+    rivals : tuple of Cause
+        With their fitted values, the cause itself first.
+    separation : (rivals, rivals) array
+        Distances of their predictions [sigma].
+    document : mapping
+        As a diagnosis has it.
+    """
+
+    proposal: Proposal
+    one: Named
+    rivals: tuple[Cause, ...]
+    separation: Array
+    document: dict[str, Any]
+
+
+def next_run(search: Search, verdict: Verdict) -> dict[str, Any] | None:
+    """The run that best separates rivals, as a diagnosis has it; None where no group has any."""
+    best = proposed(search, verdict)
+    return None if best is None else best.document
+
+
+def proposed(search: Search, verdict: Verdict) -> NextRun | None:
+    """The run that best separates the rivals of the cause that is least sure; None where none has any."""
+    doubtful = [one for one in verdict.named if len(one.group) > 1]
+    if not doubtful:
+        return None
+    one = min(doubtful, key=lambda named: named.probability)
+    own = verdict.state.causes[one.index]
+    others = [(o, p) for o, p in one.group if o.key != own.key][: _MOST_RIVALS - 1]
+    rivals = (own, *(o.cause() for o, _ in others))
+    weight = np.array([max(one.probability, 1e-3), *(max(p, 1e-3) for _, p in others)])
+    evidence = _evidence(one, own, [o for o, _ in others])
+    bench = _Bench(search, rivals, evidence, _today(search, verdict, rivals))
+    soaks = any(EFFECTS[c.effect].needs_temperature and not c.unlogged for c in rivals)
+    motion = _best(bench, list(proposals(search.data.inputs, soaks)), weight)
+    # no longer than it takes; where no length is enough, the longest
+    chosen, separation = motion, np.zeros((len(rivals), len(rivals)))
+    for part in DURATIONS:
+        seconds = float(round(part * longest_s(search.data.inputs), 3))
+        chosen = replace(motion, duration_s=seconds)
+        separation = bench.separation(chosen)
+        if _least(separation, weight, _WORTH)[0] >= _ENOUGH:
+            break
+    document = _document(search.data.inputs, chosen, rivals, separation, weight)
+    return NextRun(chosen, one, rivals, separation, document)
+
+
+def _best(bench: _Bench, runs: Sequence[Proposal], weight: Array) -> Proposal:
+    """The run with the least confusion; what cannot beat the best so far is not looked at closely."""
+    # stated uncertainties can only hide a difference: without them confusion is the least that it may be
+    least = [_confusion(bench.separation(run, stated=False), weight) for run in runs]
+    best: tuple[float, Proposal] = (np.inf, runs[0])
+    for bound, run in sorted(zip(least, runs, strict=True), key=lambda pair: pair[0]):
+        if bound >= best[0]:
+            break
+        best = min(best, (_confusion(bench.separation(run), weight), run), key=lambda pair: pair[0])
+    return best[1]
+
+
+def _today(search: Search, verdict: Verdict, rivals: Sequence[Cause]) -> Array:
+    """Inner products (rivals, rivals) of what the rivals change in today's runs."""
+    ground = verdict.state.ground
+    plain = simulated(search.data.inputs, [], ground.whiten.rows)
+    changes = [simulated(search.data.inputs, [c], ground.whiten.rows) - plain for c in rivals]
+    white = ground.whiten(np.column_stack(changes))
+    return ground.metric.gram(white, white)
+
+
+def _evidence(one: Named, own: Cause, others: Sequence[Option]) -> Array:
+    """Ln evidence of each rival from today's runs, the cause itself first."""
+    mine = next((o.log_b for o, _ in one.group if o.key == own.key), others[0].log_b)
+    return np.array([mine, *(o.log_b for o in others)])
+
+
+def _apart(today: Array, new: Array) -> float:
+    """Squared distance of two rivals in all runs, the one at its fitted size, the other at any.
+
+    Parameters
+    ----------
+    today, new : (2, 2) arrays
+        Inner products of what the two change, in the runs that there are and in the new one.
+    """
+    gram = today + new
+    if min(today[0, 0], today[1, 1]) <= 0.0:
+        # a random process has no change of its own to be scaled
+        return float(new[0, 0] + new[1, 1] - 2.0 * new[0, 1])
+    apart = [gram[k, k] - gram[0, 1] ** 2 / gram[1 - k, 1 - k] for k in (0, 1)]
+    before = [today[k, k] - today[0, 1] ** 2 / today[1 - k, 1 - k] for k in (0, 1)]
+    # what today's runs have said already is not said again
+    return max(float(min(a - b for a, b in zip(apart, before, strict=True))), 0.0)
+
+
+def _confusion(separation: Array, weight: Array) -> float:
+    pairs = combinations(range(len(weight)), 2)
+    return float(sum(weight[a] * weight[b] * np.exp(-(separation[a, b] ** 2) / 8.0) for a, b in pairs))
+
+
+def _least(separation: Array, weight: Array, enough: float = _ENOUGH) -> tuple[float, list[int]]:
+    """The least separation of the rivals that the run tells apart from one another, and which they are.
+
+    Where it tells none apart, of the best pair.
+    """
+    order = np.argsort(-weight, kind="stable").tolist()
+    told = [order[0]]
+    for k in order[1:]:
+        if all(separation[k, other] >= enough for other in told):
+            told.append(k)
+    if len(told) == 1:
+        told.append(max(order[1:], key=lambda k: float(separation[order[0], k])))
+    return float(min(separation[a, b] for a, b in combinations(told, 2))), told
+
+
+@dataclass
+class _Bench:
+    """Rivals held against runs that might be next."""
+
+    search: Search
+    rivals: Sequence[Cause]
+    evidence: Array
+    today: Array
+    _known: dict[tuple[object, ...], Whitener] = field(default_factory=dict)
+
+    def separation(self, proposal: Proposal, stated: bool = True) -> Array:
+        """Distances (rivals, rivals) between what the rivals predict for a run [sigma].
+
+        Parameters
+        ----------
+        proposal : Proposal
+        stated : bool
+            Whether the stated uncertainties are in it; without them it is quick and too great.
+        """
+        inputs = self.search.data.inputs
+        here = as_input(inputs, proposal)
+        plain = here.scene.block_means()
+        columns = nuisances([here]) if stated else np.zeros((plain.size, 0))
+        metrics: dict[int, Metric] = {}
+        changes = [self._change(here, cause, plain) for cause in self.rivals]
+        size = len(self.rivals)
+        out = np.zeros((size, size))
+        for a, b in combinations(range(size), 2):
+            if any(self._at_full_rate(k) for k in (a, b)):
+                # what these runs say for one against the other grows with time, whatever the table does
+                today = sum(one.run.duration_s for one in inputs)
+                said = 2.0 * abs(self.evidence[a] - self.evidence[b]) * proposal.duration_s / today
+                d2 = said
+            else:
+                whiten = self._whitener(here, [self.rivals[a], self.rivals[b]])
+                if id(whiten) not in metrics:
+                    metrics[id(whiten)] = Metric.of(whiten(columns))
+                both = whiten(np.column_stack([changes[a], changes[b]]))
+                pair = np.ix_([a, b], [a, b])
+                d2 = _apart(self.today[pair], metrics[id(whiten)].gram(both, both))
+            out[a, b] = out[b, a] = np.sqrt(max(d2, 0.0))
+        return out
+
+    def _at_full_rate(self, k: int) -> bool:
+        cause = self.rivals[k]
+        return not cause.slow and not cause.process
+
+    def _change(self, here: RunInput, cause: Cause, plain: Array) -> Array:
+        """What a rival changes in the block means of a run, (rows,) [deg/h]."""
+        cold = EFFECTS[cause.effect].needs_temperature and here.scene.temperature is None
+        if cold or not cause.slow or cause.runs != ("*",):
+            return np.zeros(plain.size)
+        action = cause.action([RUN_ID], here.facts.n_gyros)
+        here = replace(here, facts=replace(here.facts, run_id=RUN_ID))
+        scene = replace(here.scene, facts=here.facts)
+        return np.asarray((scene.block_means([action]) - plain).reshape(-1))
+
+    def _whitener(self, here: RunInput, pair: Sequence[Cause]) -> Whitener:
+        """Of runs of one length; a rival that is a random process is part of the noise."""
+        further = {key: size for c in pair for key, size in c.process.items()}
+        blocks = here.scene.blocks
+        key = (blocks.count, blocks.length_s, *sorted(further.items()))
+        if key not in self._known:
+            full = np.full((here.facts.n_gyros, blocks.count), blocks.length_s * here.facts.sample_rate_hz)
+            self._known[key] = whitener([here], [full], self.search.fast.level[:1], further)
+        return self._known[key]
+
+
+def _document(
+    inputs: Sequence[RunInput],
+    proposal: Proposal,
+    rivals: Sequence[Cause],
+    separation: Array,
+    weight: Array,
+) -> dict[str, Any]:
+    sigma, told = _least(separation, weight)
+    names = [named(rivals[k]) for k in told]
+    left = [named(rivals[k]) for k in range(len(rivals)) if k not in told or sigma < _ENOUGH]
+    least = "" if len(names) == 2 else " or more"
+    why = f"{proposal.words}: {names[0]} is then told from {', '.join(names[1:])} by {sigma:.1f} sigma{least}"
+    if sigma < _ENOUGH:
+        why += f", which is not enough ({_ENOUGH:g} would be), and no run that was weighed brings more"
+    elif left:
+        why += f". {', '.join(left)}: not told from all of these"
+    if any(c.unlogged for c in rivals):
+        why += ". A temperature log in every run would tell what a temperature does from the rest"
+    out: dict[str, Any] = {
+        "separates": names if sigma >= _ENOUGH else [],
+        "table": {"axis": proposal.axis, "profile": proposal.profile()},
+        "orientation": proposal.orientation,
+        "expected_sigma": round(sigma, 3),
+        "why": why,
+    }
+    if left:
+        out["leaves"] = left
+    log = temperature(inputs, proposal)
+    if log is not None:
+        start, end = float(log.sensor_degC[0]), float(log.sensor_degC[-1])
+        warmed = [{"time_s": proposal.duration_s / 2.0, "sensor_degC": end}] if proposal.soak else []
+        out["temperature"] = [{"time_s": 0.0, "sensor_degC": start}, *warmed]
+    return out

@@ -1,0 +1,195 @@
+"""What a planned campaign would show: the smallest amplitude of each effect that would be seen, before any
+capture exists, and which effects it could not tell apart.
+
+An effect is seen where the odds for a gap are even or better: its evidence (`inference/search`) times its
+prior. What the evidence would be is worked out at the expected data; noise then moves the square root of
+twice the gain in ln likelihood by one standard deviation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.diagnosis.inference.search import LOG_GAP, log_prior_of
+from fogreduce.effects.table import EFFECTS
+from fogreduce.errors import BadInput
+
+Array = NDArray[np.float64]
+
+SCHEMA = "fogreduce/detectable/1"
+#: What is said of effects of a temperature that is not logged (`which/catalogue/unlogged`).
+UNLOGGED = "without a temperature log in every run it shows as a smooth random drift, which has no amplitude"
+#: Separation below which two effects are not told apart for sure [sigma].
+TOLD_APART = 4.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """One effect at one place.
+
+    Attributes
+    ----------
+    effect : str
+    channels, runs : tuples of str
+        As an effects file has them.
+    parameter : str
+        What `amplitude` is; empty for an effect that has no size.
+    amplitude : float or None
+        The smallest that is seen with the probability asked for; None where none is, or where it has no size.
+    seen : bool
+        Whether it can be seen at all.
+    at : mapping
+        The other parameters at which this holds.
+    rivals : tuple of str
+        What it could not be told from, as `label` has them.
+    """
+
+    effect: str
+    channels: tuple[str, ...]
+    runs: tuple[str, ...]
+    parameter: str
+    amplitude: float | None
+    seen: bool
+    at: Mapping[str, Any] = field(default_factory=dict)
+    rivals: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """Effect, channels, other gyro, run."""
+        other = self.at.get("source", self.at.get("with", ""))
+        pair = f" from {other}" if other else ""
+        runs = "" if self.runs == ("*",) else f" in {', '.join(self.runs)}"
+        return f"{self.effect} {', '.join(self.channels)}{pair}{runs}"
+
+    def document(self, raw_unit: str) -> dict[str, Any]:
+        """As detectable.json has it, for gyros that are read in `raw_unit`."""
+        of = [p.unit_in(raw_unit) for p in EFFECTS[self.effect].parameters if p.name == self.parameter]
+        return {
+            "effect": self.effect,
+            "channels": list(self.channels),
+            "runs": list(self.runs),
+            "parameter": self.parameter,
+            "unit": of[0] if of else "",
+            "amplitude": self.amplitude,
+            "seen": self.seen,
+            "at": dict(self.at),
+            "not_told_from": list(self.rivals),
+        }
+
+
+def threshold(share: float) -> float:
+    """Ln of evidence at which an effect's odds are even; `share`: of its name's prior that its place has."""
+    return -(log_prior_of(True, share) + float(LOG_GAP))
+
+
+def crossing(function: Callable[[float], float], low: float, high: float) -> float | None:
+    """Where an increasing function of a size passes 0, by bisection in its logarithm; None beyond `high`."""
+    if function(high) < 0.0:
+        return None
+    if function(low) >= 0.0:
+        return low
+    a, b = np.log(low), np.log(high)
+    for _ in range(50):
+        middle = 0.5 * (a + b)
+        if function(float(np.exp(middle))) < 0.0:
+            a = middle
+        else:
+            b = middle
+    return float(np.exp(b))
+
+
+def detectable(
+    campaign: Path,
+    calibrations: Path,
+    probability: float = 0.95,
+    snr: float = 10.0,
+    without: Sequence[str] = (),
+    only: Sequence[str] = (),
+) -> dict[str, Any]:
+    """What a campaign would show, from its run.yaml files alone, as detectable.json has it.
+
+    Parameters
+    ----------
+    campaign, calibrations : Path
+    probability : float
+        With which an amplitude is to be seen.
+    snr : float
+        Signal-to-noise ratio of an effect that is to be told from others.
+    without : names of effects
+        Left out of the catalogue.
+    only : run ids
+        Empty: all.
+    """
+    from fogreduce.diagnosis.next.detectable_fast import fast_rows
+    from fogreduce.diagnosis.next.detectable_slow import slow_rows
+    from fogreduce.diagnosis.observe.capture import read_inputs
+
+    if not 0.5 <= probability < 1.0:
+        raise BadInput.at("--probability", "", found=probability, expected="0.5 or more, and less than 1")
+    if not 1.0 <= snr <= 1e6:
+        raise BadInput.at("--snr", "", found=snr, expected="1 to 1e6")
+    for name in without:
+        if name not in EFFECTS:
+            raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
+    allowed = frozenset(EFFECTS) - frozenset(without)
+    inputs = read_inputs(campaign, calibrations, only, need_capture=False)
+    rows = [*slow_rows(inputs, allowed, probability, snr), *fast_rows(inputs, allowed, probability)]
+    rows = [_within(row) for row in rows]
+    order = list(EFFECTS)
+    rows.sort(key=lambda row: order.index(row.effect))
+    absent = [name for name in order if name in allowed and all(row.effect != name for row in rows)]
+    return {
+        "schema": SCHEMA,
+        "campaign": campaign.resolve().name,
+        "runs": [one.facts.run_id for one in inputs],
+        "probability": probability,
+        "snr": snr,
+        "effects": [row.document(inputs[0].facts.raw_unit.name) for row in rows],
+        "groups": groups(rows),
+        "not_shown": {name: _why(name, inputs) for name in absent},
+    }
+
+
+def _within(row: Row) -> Row:
+    """A row whose amplitude the effect could have; one beyond that is not seen."""
+    high = next((p.high for p in EFFECTS[row.effect].parameters if p.name == row.parameter), np.inf)
+    if row.amplitude is None or row.amplitude <= high:
+        return row
+    return replace(row, amplitude=None, seen=False)
+
+
+def groups(rows: Sequence[Row]) -> list[list[str]]:
+    """Effects of which each is not told from some other of its group, by label."""
+    left = {row.label: set(row.rivals) for row in rows}
+    for name, rivals in list(left.items()):
+        for other in rivals:
+            left.setdefault(other, set()).add(name)
+    out: list[list[str]] = []
+    seen: set[str] = set()
+    for name in left:
+        if name in seen or not left[name]:
+            continue
+        group, waiting = [], [name]
+        while waiting:
+            here = waiting.pop(0)
+            if here not in seen:
+                seen.add(here)
+                group.append(here)
+                waiting += sorted(left[here] - seen)
+        out.append(group)
+    return out
+
+
+def _why(name: str, inputs: Sequence[Any]) -> str:
+    """Why an effect does nothing in these runs, as far as that is plain."""
+    if EFFECTS[name].needs_temperature and any(one.scene.temperature is None for one in inputs):
+        return UNLOGGED
+    if inputs[0].facts.n_gyros == 1 and name in ("crosstalk", "channel_swap", "common_noise"):
+        return "needs a second gyro"
+    return "does nothing in these runs"

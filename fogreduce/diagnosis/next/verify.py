@@ -1,0 +1,170 @@
+"""The next run, tried before it is made: simulated with each rival in turn as the truth, diagnosed again.
+
+Today's captures stay as they are. Beside them comes a capture of the proposed run in which one rival acts at
+its fitted value, with noise, and with a turn-on bias and an azimuth drawn from what is stated.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from fogreduce.datasets.atomic import write_text
+from fogreduce.diagnosis.diagnose import Diagnosis, diagnose, plain
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.next.design import NextRun, proposed
+from fogreduce.diagnosis.next.runs import RUN_ID, run_document, temperature
+from fogreduce.diagnosis.report.words import in_words, named
+from fogreduce.errors import BadInput
+from fogreduce.metadata.yaml12 import dump_yaml
+from fogreduce.simulate.campaign import write_campaign
+from fogreduce.simulate.plan import Options, prepare
+from fogreduce.simulate.streams import stream
+
+_MOST_TRUTHS = 4
+EFFECTS_SCHEMA = "fogreduce/effects/1"
+
+
+def verified(
+    diagnosis: Diagnosis,
+    campaign: Path,
+    calibrations: Path,
+    without: Sequence[str] = (),
+    only: Sequence[str] = (),
+) -> dict[str, Any] | None:
+    """What `next_run` gets as ``verified``; None where no run is proposed.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        Of the campaign's captures.
+    campaign, calibrations : Path
+    without, only :
+        As it was made.
+
+    Returns
+    -------
+    mapping
+        ``separated``: whether every rival that the run is to separate was found when it was the truth, and
+        no other of them with it; ``truths``: for each, what the second diagnosis said.
+    """
+    best = proposed(diagnosis.search, diagnosis.verdict)
+    if best is None:
+        return None
+    if (campaign / "runs" / RUN_ID).exists():
+        raise BadInput.at(
+            campaign / "runs" / RUN_ID,
+            "",
+            found="a run of that name",
+            expected="it renamed, for --verify-next",
+        )
+    told = best.document["separates"] or best.document["leaves"]
+    beside = [c for k, c in enumerate(diagnosis.verdict.state.causes) if k != best.one.index]
+    truths = []
+    # what a temperature without a log does cannot be simulated
+    for truth in [c for c in best.rivals if named(c) in told and not c.unlogged][:_MOST_TRUTHS]:
+        with tempfile.TemporaryDirectory() as scratch:
+            whole = _campaign(
+                diagnosis,
+                best,
+                [*beside, _settled(diagnosis, beside, truth)],
+                campaign,
+                calibrations,
+                Path(scratch),
+            )
+            found = diagnose(whole, calibrations, without, _with_next(only)).document
+        truths.append(_said(found, truth, told))
+    return {"separated": bool(truths) and all(t["separated"] for t in truths), "truths": truths}
+
+
+def _settled(diagnosis: Diagnosis, beside: Sequence[Cause], truth: Cause) -> Cause:
+    """A rival with the values that fit best beside the other causes."""
+    if not truth.slow:
+        return truth
+    state = diagnosis.search.state([*beside, truth], diagnosis.verdict.state.ground)
+    return state.causes[-1]
+
+
+def _with_next(only: Sequence[str]) -> tuple[str, ...]:
+    return (*only, RUN_ID) if only else ()
+
+
+def _campaign(
+    diagnosis: Diagnosis,
+    best: NextRun,
+    causes: Sequence[Cause],
+    campaign: Path,
+    calibrations: Path,
+    scratch: Path,
+) -> Path:
+    """A campaign folder with today's runs and the next one's capture, in which the causes act."""
+    inputs = diagnosis.data.inputs
+    log = temperature(inputs, best.proposal)
+    plan_folder, made = scratch / "plan", scratch / campaign.resolve().name
+    here = plan_folder / "runs" / RUN_ID
+    write_text(here / "run.yaml", dump_yaml(run_document(inputs[0].run, best.proposal, log is not None)))
+    if log is not None:
+        rows = zip(log.time_s.tolist(), log.sensor_degC.tolist(), strict=True)
+        lines = "".join(f"{t:.6g},{s:.6g}\n" for t, s in rows)
+        write_text(here / "temperature.csv", "time_s,sensor_degC\n" + lines)
+    entries = [
+        {"effect": c.effect, "channels": list(c.channels), "runs": [RUN_ID], "parameters": c.parameters()}
+        for c in causes
+        if c.runs == ("*",) and not c.unlogged
+    ]
+    effects = {"schema": EFFECTS_SCHEMA, "effects": plain(entries + _fresh(diagnosis))}
+    write_text(scratch / "effects.yaml", dump_yaml(effects))
+    options = Options(effects_file=scratch / "effects.yaml", seed=0)
+    write_campaign(prepare(plan_folder, calibrations, options), made)
+    for one in inputs:
+        target = made / "runs" / one.facts.run_id
+        target.mkdir(parents=True)
+        run = one.run
+        for name in ("run.yaml", run.capture.file, run.temperature, run.table_log):
+            if name is not None:
+                shutil.copyfile(one.folder / name, target / name)
+    if (campaign / "campaign.yaml").exists():
+        shutil.copyfile(campaign / "campaign.yaml", made / "campaign.yaml")
+    return made
+
+
+def _fresh(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Entries for what is new in each run: turn-on biases and azimuth, one draw of what is stated."""
+    first = diagnosis.data.inputs[0]
+    stated = first.record.stated_uncertainty.turn_on_bias_deg_h
+    draw = stream(0, "next run").standard_normal(len(stated) + 1)
+    entries: list[dict[str, Any]] = [
+        {
+            "effect": "turn_on_bias",
+            "channels": [f"gyro{i + 1}"],
+            "runs": [RUN_ID],
+            "parameters": {"deg_h": sigma * draw[i]},
+        }
+        for i, sigma in enumerate(stated)
+    ]
+    azimuth = first.run.azimuth_uncertainty_deg * draw[-1]
+    entries.append(
+        {"effect": "heading_error", "channels": ["table"], "runs": [RUN_ID], "parameters": {"deg": azimuth}}
+    )
+    return entries
+
+
+def _said(found: dict[str, Any], truth: Cause, told: Sequence[str]) -> dict[str, Any]:
+    """What the second diagnosis says of a truth."""
+    causes = found["causes"]
+    names = [in_words(c) for c in causes]
+    own = next((c for c in causes if named(truth) in [in_words(m) for m in c["group"]]), None)
+    group = [] if own is None else [in_words(m) for m in own["group"]]
+    members = [m for c in causes for m in c["group"] if in_words(m) == named(truth)]
+    rivals = [name for name in told if name != named(truth)]
+    return {
+        "truth": named(truth),
+        "verdict": found["verdict"],
+        "causes": names,
+        "probability": max((m["probability"] for m in members), default=0.0),
+        "group": group,
+        "separated": named(truth) in names and not any(name in group or name in names for name in rivals),
+    }

@@ -1,0 +1,214 @@
+"""Statistics of one run's full-rate stream: what block means cannot show.
+
+Spectra are taken over short pieces, each less its straight line, so that what is slow does not leak into
+them.
+Samples that are missing or spurious are replaced by others of the same second: that keeps the noise white.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import MISSING_COUNT
+from fogreduce.diagnosis.observe.capture import SLOWEST_HZ, Samples
+from fogreduce.diagnosis.which.full_rate.stamps import Stamps, stamps
+from fogreduce.metadata.facts import RunFacts
+
+Array = NDArray[np.float64]
+
+PIECE = 256  # samples of a piece of the averaged spectrum
+FIRST_LINE = 4  # lines of a piece's spectrum below this are left out: trends leak there
+MOST_BITS = 16
+LEAST_LINE_HZ = 0.5
+_CALM = 2.0  # times the usual power of a piece: more is an edge or a glitch, not noise
+
+
+@dataclass(frozen=True)
+class FullRate:
+    """One run's statistics.
+
+    Attributes
+    ----------
+    run_id : str
+    samples, missing, spurious : (n,) arrays
+        Samples that count, answers that did not come, counts out of all proportion.
+    lost, expected : int
+        Records that never arrived, of how many.
+    spurious_counts : list of (k,) arrays
+        The spurious counts of each gyro.
+    pairs, repeats : (n,) arrays
+        Neighbouring samples, and those of them that are equal.
+    ends : (n, MOST_BITS + 1) array
+        How many counts end in at least m zero bits.
+    at_rest : (n,) array of bool
+        Whether the gyro's noise has all but gone: a converter at its rail.
+    pieces : int
+        Of the averaged spectrum.
+    frequency : (F,) array
+        Its lines as fractions of the sample rate, above 0.
+    power : (n, F) array
+        Mean power [(deg/h)^2]: white noise of variance s^2 has s^2 in every line.
+    cross : (F, n, n) array
+        Mean products of the gyros' spectra in each line, real parts [(deg/h)^2].
+    line_hz : (L,) array
+        Frequencies of the whole run's spectrum [Hz].
+    lines : (n, L) complex array
+        Its amplitudes, of unit variance in each quadrature for white noise of 1 deg/h a sample.
+    stamps : Stamps
+        Time stamps against pulses.
+    """
+
+    run_id: str
+    samples: Array
+    missing: Array
+    spurious: Array
+    lost: int
+    expected: int
+    spurious_counts: list[NDArray[np.int64]]
+    pairs: Array
+    repeats: Array
+    ends: Array
+    at_rest: NDArray[np.bool_]
+    pieces: int
+    frequency: Array
+    power: Array
+    cross: Array
+    line_hz: Array
+    lines: NDArray[np.complex128]
+    stamps: Stamps
+
+
+def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator) -> FullRate:
+    """Statistics of a run.
+
+    Parameters
+    ----------
+    samples : Samples
+    facts : RunFacts
+    generator : numpy.random.Generator
+        Chooses the samples that stand in for those missing.
+    """
+    good = np.isfinite(samples.residual)
+    filled = _filled(samples.residual, good, generator)
+    pieces, frequency, power, cross = _spectrum(filled, facts.sample_rate_hz)
+    line_hz, lines = _lines(filled, facts.sample_rate_hz)
+    pairs, repeats = _repeats(samples.counts, good)
+    stated = np.ones(len(good)) if facts.white_noise is None else facts.white_noise
+    nominal = stated * 60.0 * np.sqrt(facts.sample_rate_hz)
+    level = np.sqrt(np.median(power, axis=1)) if power.size else nominal
+    return FullRate(
+        run_id=facts.run_id,
+        samples=good.sum(axis=1).astype(float),
+        missing=samples.missing.sum(axis=1).astype(float),
+        spurious=samples.spurious.sum(axis=1).astype(float),
+        lost=samples.lost,
+        expected=len(samples.stamp_s),
+        spurious_counts=[c[s] for c, s in zip(samples.counts, samples.spurious, strict=True)],
+        pairs=pairs,
+        repeats=repeats,
+        ends=_ends(samples.counts, good),
+        at_rest=(level < 0.2 * nominal) if facts.white_noise is not None else level <= 0.0,
+        pieces=pieces,
+        frequency=frequency,
+        power=power,
+        cross=cross,
+        line_hz=line_hz,
+        lines=lines,
+        stamps=stamps(samples.stamp_s, facts.sample_rate_hz),
+    )
+
+
+def _filled(residual: Array, good: NDArray[np.bool_], generator: np.random.Generator) -> Array:
+    """Each missing sample replaced by a good one of the same second or so."""
+    filled = residual.copy()
+    for row, there in zip(filled, good, strict=True):
+        gaps = np.flatnonzero(~there)
+        if not gaps.size:
+            continue
+        present = row.size - gaps.size
+        if present < 2:
+            row[:] = 0.0
+            continue
+        # samples that are present are counted by themselves: so many of them come before each gap
+        before = gaps - np.arange(gaps.size)
+        near = np.clip(before + generator.integers(-64, 65, gaps.size), 0, present - 1)
+        row[gaps] = row[near + np.searchsorted(before, near, side="right")]
+    return filled
+
+
+def straightened(values: Array) -> Array:
+    """Values (..., N) less the straight line that fits them best along the last axis."""
+    t = np.arange(values.shape[-1]) - (values.shape[-1] - 1) / 2.0
+    cut = values - values.mean(axis=-1, keepdims=True)
+    cut -= (cut @ t / (t @ t))[..., None] * t
+    return cut
+
+
+def _spectrum(filled: Array, rate_hz: float) -> tuple[int, Array, Array, Array]:
+    n, size = filled.shape
+    length = min(PIECE, size // 4)
+    if length < 16 or rate_hz < SLOWEST_HZ:
+        return 0, np.zeros(0), np.zeros((n, 0)), np.zeros((0, n, n))
+    pieces = size // length
+    cut = straightened(filled[:, : pieces * length].reshape(n, pieces, length))
+    first = min(FIRST_LINE, length // 8)
+    lines = np.fft.rfft(cut, axis=2)[:, :, first:-1]
+    parts = np.stack([lines.real, lines.imag], axis=1) / np.sqrt(length)  # (n, 2, pieces, F)
+    # a piece with an edge of the profile that came late, or with a glitch, is no noise
+    strength = np.mean(np.sum(parts**2, axis=1), axis=2)
+    usual = np.median(strength, axis=1, keepdims=True)
+    calm = np.all(strength <= _CALM * usual, axis=0)
+    if 4 <= calm.sum() < pieces:
+        parts, pieces = parts[:, :, calm], int(calm.sum())
+    cross = np.empty((parts.shape[3], n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            cross[:, i, j] = cross[:, j, i] = np.sum(parts[i] * parts[j], axis=(0, 1)) / pieces
+    power: Array = np.diagonal(cross, axis1=1, axis2=2).T.copy()
+    frequency = np.asarray(np.fft.rfftfreq(length)[first:-1], np.float64)
+    return pieces, frequency, power, cross
+
+
+def _lines(filled: Array, rate_hz: float) -> tuple[Array, NDArray[np.complex128]]:
+    """The whole run's spectrum, each line split in two so that none falls between."""
+    n, size = filled.shape
+    padded = 1 << int(np.ceil(np.log2(max(2 * size, 2))))
+    # what is slow and large must not leak into the lines: each second less its mean
+    second = max(int(rate_hz / LEAST_LINE_HZ), 2)
+    whole = size // second * second
+    if whole == 0:
+        return np.zeros(0), np.zeros((n, 0), complex)
+    frequency = np.asarray(np.fft.rfftfreq(padded, 1.0 / rate_hz), np.float64)
+    # the lines that are kept lie side by side
+    low = int(np.searchsorted(frequency, 2.0 * LEAST_LINE_HZ, side="left"))
+    high = max(int(np.searchsorted(frequency, 0.49 * rate_hz, side="right")), low)
+    lines = np.empty((n, high - low), complex)
+    for row, values in zip(lines, filled, strict=True):
+        cut = straightened(values[:whole].reshape(-1, second))
+        strength = np.mean(cut**2, axis=1)
+        cut[strength > 4.0 * np.median(strength)] = 0.0
+        np.multiply(np.fft.rfft(cut.reshape(whole), padded)[low:high], np.sqrt(2.0 / whole), out=row)
+    return frequency[low:high], lines
+
+
+def _repeats(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> tuple[Array, Array]:
+    both = good[:, 1:] & good[:, :-1]
+    same = both & (counts[:, 1:] == counts[:, :-1])
+    return both.sum(axis=1).astype(float), same.sum(axis=1).astype(float)
+
+
+def _ends(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> Array:
+    ends = np.empty((len(counts), MOST_BITS + 1))
+    for row, here, there in zip(ends, counts, good, strict=True):
+        left = here[there & (here != MISSING_COUNT)]
+        if left.size and np.all(left == left[0]):
+            left = left[:0]  # one count all through says nothing of bits
+        row[0] = left.size
+        for m in range(1, MOST_BITS + 1):
+            # those that end in m zeros are among those that end in fewer
+            left = left[(left & ((1 << m) - 1)) == 0]
+            row[m] = left.size
+    return ends

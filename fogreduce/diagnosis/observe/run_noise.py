@@ -1,0 +1,148 @@
+"""White noise of each run: found where the record states none, and where a run has another than the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.observe.capture import RunInput, Samples
+from fogreduce.diagnosis.observe.full_rate import FullRate
+from fogreduce.diagnosis.which.full_rate.spectrum import level_evidence, rounding_variance
+from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.metadata.calibration import Noise
+from fogreduce.physics.noise import white_sigma
+
+Array = NDArray[np.float64]
+
+_NORMAL = 1.4826  # standard deviation over median absolute deviation of normal deviates
+_FEWEST = 32  # neighbouring samples from whose differences a noise is told to a sixth
+_ROUNDED = 0.01  # of rounding's variance: noise below it cannot be told from none
+#: A run's noise is its own where it departs by so much, relative, and by so many standard deviations.
+_APART, _BEYOND_CHANCE = 0.1, 6.0
+_COARSE = 0.5  # share of rounding in the variance above which it is no white noise any more
+
+
+def with_white_noise(
+    inputs: Sequence[RunInput], captures: Sequence[Samples], full: Sequence[FullRate]
+) -> tuple[list[RunInput], Array | None]:
+    """The runs with the white noise that their captures show, where their record states none.
+
+    Returns
+    -------
+    inputs : list of RunInput
+    found : (n,) array or None
+        N [deg/sqrt(h)]; None where the record states it, or where no gyro shows it.
+    """
+    if inputs[0].facts.white_noise is not None:
+        return list(inputs), None
+    record = inputs[0].record
+    assumed = np.array(record.stated_noise.angle_random_walk_deg_sqrt_h)
+    each = np.array(
+        [
+            [_white(one, samples, run, i) for i in range(len(assumed))]
+            for one, samples, run in zip(inputs, captures, full, strict=True)
+        ]
+    )
+    if not np.isfinite(each).any():
+        return list(inputs), None
+    weight = np.array([float(one.facts.n_expected) for one in inputs])
+    found = np.array(
+        [_middle(column, weight, value) for column, value in zip(each.T, assumed.tolist(), strict=True)]
+    )
+    stated = {"angle_random_walk_deg_sqrt_h": tuple(found.tolist())}
+    noise = Noise(**stated) if record.noise is None else record.noise.model_copy(update=stated)
+    record = record.model_copy(update={"noise": noise})
+    changed = [replace(one, record=record, facts=replace(one.facts, white_noise=found)) for one in inputs]
+    return changed, found
+
+
+def _white(one: RunInput, samples: Samples, run: FullRate, i: int) -> float:
+    """N [deg/sqrt(h)] of gyro i in a run, without what rounding adds; NaN where nothing shows it."""
+    if run.pieces > 0:
+        # the median of a mean of K exponential deviates of mean 1 is 1 - 1 / (3 K)
+        variance = float(np.median(run.power[i])) / (1.0 - 1.0 / (3.0 * run.pieces))
+    else:
+        steps = np.abs(np.diff(samples.residual[i]))
+        steps = steps[np.isfinite(steps)]
+        variance = 0.5 * float(_NORMAL * np.median(steps)) ** 2 if steps.size >= _FEWEST else 0.0
+    if variance <= 0.0:
+        return float("nan")
+    rounding = float(rounding_variance(one.facts, np.zeros(one.facts.n_gyros))[i])
+    unit = float(white_sigma(1.0, one.facts.sample_rate_hz)) * SECONDS_PER_HOUR
+    return float(np.sqrt(max(variance - rounding, _ROUNDED * rounding))) / unit
+
+
+def _middle(values: Array, weight: Array, otherwise: float) -> float:
+    """Weighted median of what is finite, the lower of two."""
+    there = np.isfinite(values)
+    if not there.any():
+        return otherwise
+    order = np.argsort(values[there], kind="stable")
+    share = np.cumsum(weight[there][order])
+    return float(values[there][order][np.searchsorted(share, 0.5 * share[-1])])
+
+
+def own_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Array, bits: Array) -> Array:
+    """Noise of each gyro in each run over that of its other runs, (R, n): 1 where they are alike.
+
+    Of a gyro's runs, the one in the middle is the measure, the record's own level counted as one more run.
+    """
+    n = len(stated)
+    levels, error = np.ones((len(runs), n)), np.full((len(runs), n), np.inf)
+    for r, (run, one) in enumerate(zip(runs, inputs, strict=True)):
+        if run.pieces == 0:
+            continue
+        rate = one.facts.sample_rate_hz
+        white = np.array([float(white_sigma(s, rate)) for s in stated]) * SECONDS_PER_HOUR
+        rounding = rounding_variance(one.facts, bits)
+        heard = ~run.at_rest & (rounding < _COARSE * (white**2 + rounding))
+        power = np.median(run.power, axis=1) / (1.0 - 1.0 / (3.0 * run.pieces))
+        levels[r] = np.where(heard, np.sqrt(power / (white**2 + rounding)), 1.0)
+        # of a median, pi / 2 times the variance of a mean; a level is half its power's logarithm
+        error[r, heard] = np.sqrt(0.5 * np.pi / (4.0 * run.pieces * run.power.shape[1]))
+    own = np.ones(levels.shape)
+    for i in range(n):
+        seen = np.flatnonzero(np.isfinite(error[:, i]) & (levels[:, i] > 0.0))
+        if seen.size < 2:
+            continue
+        logs = np.log(levels[seen, i])
+        usual = int(np.argmin(np.abs(logs - np.median(np.append(logs, 0.0)))))
+        apart = logs - logs[usual]
+        chance = np.hypot(error[seen, i], error[seen[usual], i])
+        other = (np.abs(apart) > _APART) & (np.abs(apart) > _BEYOND_CHANCE * chance)
+        own[seen[other], i] = np.exp(apart[other])
+    return own
+
+
+def own_level_findings(
+    runs: Sequence[FullRate], inputs: Sequence[RunInput], own: Array, stated: Array, allowed: frozenset[str]
+) -> Iterator[Finding]:
+    """White noise of another level in some runs alone."""
+    effect = "angle_random_walk" if "angle_random_walk" in allowed else "unknown"
+    for r, i in np.argwhere(own != 1.0).tolist():
+        run, facts = runs[r], inputs[r].facts
+        weight = float(run.pieces * run.power.shape[1])
+        log_b, snr2 = level_evidence(float(own[r, i]) ** 2, weight)
+        rounding = float(rounding_variance(facts, np.zeros(facts.n_gyros))[i])
+        unit = float(white_sigma(1.0, facts.sample_rate_hz)) * SECONDS_PER_HOUR
+        whole = float(np.median(run.power[i])) / (1.0 - 1.0 / (3.0 * run.pieces))
+        value = float(np.sqrt(max(whole - rounding, _ROUNDED * rounding))) / unit
+        std = whole / unit**2 / value * float(np.sqrt(0.5 * np.pi / (4.0 * weight)))
+        given = {"deg_sqrt_h": (value, std)} if effect != "unknown" else {}
+        yield Finding(
+            effect,
+            (gyro_name(i),),
+            (run.run_id,),
+            log_b,
+            snr2,
+            given,
+            1.0 / own.size,
+            f"level of {run.run_id}",
+            "noise",
+            "white",
+        )

@@ -1,0 +1,1 @@
+"""A diagnosis on disk: documents, page and figures."""

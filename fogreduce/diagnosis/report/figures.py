@@ -1,0 +1,138 @@
+"""The figures of a diagnosis: the gap before and after, the map of where, causes, closure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.diagnosis.diagnose import Diagnosis
+from fogreduce.diagnosis.inference.model import simulated
+from fogreduce.diagnosis.inference.noise_model import nuisances
+from fogreduce.diagnosis.report import svg
+from fogreduce.diagnosis.report.words import in_words
+
+Array = NDArray[np.float64]
+
+
+def figures(diagnosis: Diagnosis) -> dict[str, str]:
+    """SVG figures by file name."""
+    before, after = _gap(diagnosis)
+    data, document = diagnosis.data, diagnosis.document
+    runs = list(zip(data.run_ids, (one.scene.blocks.count for one in data.inputs), strict=True))
+    names = [f"gyro{i + 1}" for i in range(data.n)]
+    changed = document["verdict"] != "no_gap" and not np.array_equal(before, after)
+    panels = [(name, b, a if changed else None) for name, b, a in zip(names, before, after, strict=True)]
+    out = {"gap-gyros.svg": svg.traces(panels, runs, "deg/h", "measured less predicted, each gyro")}
+    if changed and document["remainder"]["significant"]:
+        left = [(name, None, a) for name, a in zip(names, after, strict=True)]
+        out["left-gyros.svg"] = svg.traces(left, runs, "deg/h", "what the causes leave, each gyro")
+    projection = data.inputs[0].facts.projection
+    if projection is not None:
+        both = zip("xyz", projection @ before, projection @ after, strict=True)
+        xyz = [(name, b, a if changed else None) for name, b, a in both]
+        out["gap-xyz.svg"] = svg.traces(xyz, runs, "deg/h", "measured less predicted, in x, y and z")
+    if document["where"]:
+        out["where.svg"] = _map(diagnosis)
+        rows = [(place(p), p["share"], f"{100 * p['share']:.1f} %") for p in document["where"]]
+        out["share.svg"] = svg.bars(rows, "parts of the whole gap", svg.BEFORE, 1.0)
+    members = [
+        (in_words(m), m["probability"], percent(m["probability"]))
+        for c in document["causes"]
+        for m in c["group"]
+    ]
+    if members:
+        out["causes.svg"] = svg.bars(members, "probability of each cause and its rivals", svg.AFTER, 1.0)
+    if document["closure"] is not None and document["causes"]:
+        steps = waterfall(document)
+        if len(steps) > 1:
+            out["waterfall.svg"] = svg.bars(steps, "how far the gap closes, cause by cause", svg.AFTER, 1.0)
+        out["closure.svg"] = svg.bars(_closed(document["closure"]), "how far the gap closes", svg.AFTER, 1.0)
+    return out
+
+
+def percent(value: float) -> str:
+    """A probability or share in words that do not claim more than it does."""
+    if value > 0.999:
+        return "more than 99.9 %"
+    return f"{100 * value:.1f} %" if value >= 0.001 else "less than 0.1 %"
+
+
+def place(item: Mapping[str, Any]) -> str:
+    """A place in words."""
+    runs = f" in {item['runs'][0]}" if len(item["runs"]) == 1 else ""
+    return f"{', '.join(item['channels'])}: {item['feature'].replace('_', ' ')}{runs}"
+
+
+def _closed(closure: Mapping[str, Any]) -> list[tuple[str, float, str]]:
+    error = f"{100 * closure['fraction']:.1f} +- {100 * closure['std']:.1f} %"
+    rows = [("the causes close", closure["fraction"], error)]
+    if "placebo_fraction" in closure:
+        wrong = closure["placebo_fraction"]
+        rows.append(("a wrong effect closes", wrong, f"{100 * wrong + 0.0:.1f} %".replace("-0.0", "0.0")))
+    return rows
+
+
+def waterfall(document: Mapping[str, Any]) -> list[tuple[str, float, str]]:
+    """Running totals of what the causes close, the one that closes most first; then the kinds."""
+    ranked = sorted((c for c in document["causes"] if c["closure"]), key=lambda c: c["closure"]["rank"])
+    kinds: dict[str, list[Mapping[str, Any]]] = {}
+    for cause in ranked:
+        kinds.setdefault(cause["effect"], []).append(cause)
+    rows, last = [], 0.0
+    for cause in ranked:
+        total = cause["closure"]["cumulative"]
+        rows.append((in_words(cause), total, f"{100 * (total - last):+.1f} % to {100 * total:.1f} %"))
+        last = total
+    for effect, members in kinds.items():
+        if 1 < len(members) < len(ranked):
+            lost = sum(c["closure"]["removed"] for c in members)
+            name = f"all {effect.replace('_', ' ')}"
+            rows.append((name, max(lost, 0.0), f"{100 * lost:.1f} % lost without them"))
+    return rows
+
+
+def _map(diagnosis: Diagnosis) -> str:
+    """Channels against runs: the largest sigma of the places there."""
+    places, runs = diagnosis.document["where"], diagnosis.document["runs"]
+    gyros = [f"gyro{i + 1}" for i in range(diagnosis.data.n)]
+    others = [name for name in ("table", "clock") if any(name in p["channels"] for p in places)]
+    channels = [*gyros, *others]
+    cells = np.zeros((len(channels), len(runs)))
+    words = [["" for _ in runs] for _ in channels]
+    for p in places:
+        for i, channel in enumerate(channels):
+            for r, run in enumerate(runs):
+                if channel in p["channels"] and run in p["runs"] and p["sigma"] > cells[i, r]:
+                    cells[i, r] = p["sigma"]
+                    words[i][r] = p["feature"].replace("_", " ")
+    return svg.grid(channels, runs, cells, words, "where the gap lies: channels against runs")
+
+
+def _gap(diagnosis: Diagnosis) -> tuple[Array, Array]:
+    """Residual of each gyro through all runs (n, blocks) [deg/h], before and after the causes.
+
+    What the record leaves open (scale factors, biases, axes, azimuths, turn-on biases) is no gap: its most
+    probable part beside the causes is taken off both.
+    """
+    data, state = diagnosis.data, diagnosis.verdict.state
+    ground, rows = state.ground, state.ground.whiten.rows
+    slow = [c for c in state.causes if c.slow]
+    before = rows.stacked(data.residual)
+    change = simulated(data.inputs, slow, rows) - ground.nominal if slow else np.zeros_like(before)
+    actions = [c.action(data.run_ids, data.n) for c in slow]
+    left = before - change
+    columns = nuisances(data.inputs, actions)
+    white = ground.whiten(columns)
+    y = ground.whiten(left[:, None])[:, 0]
+    part = np.linalg.solve(np.eye(columns.shape[1]) + white.T @ white, white.T @ y)
+    allowed = columns @ part
+    stated = data.inputs[0].record.stated_uncertainty.turn_on_bias_deg_h
+    for (i, r), matrix in ground.whiten.filters.items():
+        here = rows.of(i, r)
+        one = matrix.sum(axis=1)
+        allowed[here] += stated[i] ** 2 * float(one @ (matrix @ (left - allowed)[here]))
+    shape = (data.n, -1)
+    return (before - allowed).reshape(shape), (left - allowed).reshape(shape)

@@ -1,0 +1,1 @@
+"""Where a residual departs from nothing, causes aside."""

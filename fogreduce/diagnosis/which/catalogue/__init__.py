@@ -1,0 +1,1 @@
+"""The catalogue's effects as columns: what each would change in block means."""

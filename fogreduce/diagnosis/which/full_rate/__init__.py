@@ -1,0 +1,1 @@
+"""What the full rate says: spectra and lines, the link, stamps and the converter."""

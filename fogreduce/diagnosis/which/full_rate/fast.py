@@ -1,0 +1,173 @@
+"""The full rate's side of the search: levels, lines, correlations, link, beside the causes found already."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.observe.constant import dead_findings
+from fogreduce.diagnosis.observe.data import Data
+from fogreduce.diagnosis.observe.run_noise import own_level_findings
+from fogreduce.diagnosis.which.full_rate.converter import converter_findings
+from fogreduce.diagnosis.which.full_rate.lines import line_findings
+from fogreduce.diagnosis.which.full_rate.link import link_findings
+from fogreduce.diagnosis.which.full_rate.spectrum import correlation_findings, level_findings, levels
+from fogreduce.diagnosis.which.full_rate.stamps import stamp_findings
+
+Array = NDArray[np.float64]
+
+_WIRING = ("channel_swap", "polarity_error", "rotation_sense", "start_offset", "saturation")
+_SPOILS = 25.0  # twice the gain in ln likelihood from which on a line is kept out of levels
+
+
+class Fast:
+    """Findings of the full rate.
+
+    Parameters
+    ----------
+    data : Data
+    allowed : names of effects
+
+    Attributes
+    ----------
+    level : (R, n) array
+        White noise at low frequencies over that of the record: what block means scatter with.
+    """
+
+    def __init__(self, data: Data, allowed: frozenset[str]) -> None:
+        self.data, self.allowed = data, allowed
+        self.facts = [one.facts for one in data.inputs]
+        n = data.n
+        self.link = [
+            *link_findings(data.full, allowed, data.noise_counts()),
+            *stamp_findings({run.run_id: run.stamps for run in data.full}, allowed),
+            *converter_findings(data.codes, n, allowed, self._step()),
+            *dead_findings(data.constant, len(data.inputs), n),
+            *own_level_findings(data.full, data.inputs, data.own_noise, data.stated_white, allowed),
+        ]
+        bits, colour = data.bits.astype(float), self._colour()
+        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, colour, data.own_noise)
+        whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
+        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3) * self._rounding() * data.own_noise
+        self._known_lines: dict[str, list[Finding]] = {}
+        lines = self._lines([])
+        spoiled: list[list[float]] = [[] for _ in range(n)]
+        for line in lines:
+            if line.snr2 > _SPOILS:
+                hz = line.parameters["frequency_hz"][0] if line.parameters else 0.0
+                for i in range(n):
+                    spoiled[i].append(float(hz))
+        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, colour, data.own_noise)
+        self.held = [self._held_by_repeats(i) for i in range(n)]
+        self.level = self._low_level()
+        self._cache: dict[object, list[Finding]] = {}
+
+    def _colour(self) -> tuple[Array, Array]:
+        """Flicker and random walk as the record states them, (n,) each."""
+        noise = self.data.inputs[0].record.stated_noise
+        return np.array(noise.bias_instability_deg_h), np.array(noise.rate_random_walk_deg_h_sqrt_h)
+
+    def _step(self) -> Array:
+        """Widest of each gyro's converter, the bits that are always 0 left out, (n,) [raw unit]."""
+        return max(one.least_count for one in self.facts) * 2.0 ** self.data.bits.astype(float)
+
+    def _rounding(self) -> Array:
+        """Noise with the converter's rounding over noise without, (R, n): levels are over what both make."""
+        counts = self.data.noise_counts()
+        return np.sqrt(1.0 + 4.0 ** self.data.bits.astype(float) / 12.0 / counts**2)
+
+    def _low_level(self) -> Array:
+        """Level of the lowest quarter of the spectrum in each run (R, n); a filter leaves block means as they
+        are.
+        """
+        out = np.ones(self.data.n)
+        for i in range(self.data.n if self.levels is not None else 0):
+            assert self.levels is not None
+            keep = self.levels.keep[i] & self.levels.lowest & (self.levels.pieces[i] > 0)
+            if keep.any():
+                part = (self.levels.ratio[i] / self.held[i])[keep]
+                out[i] = float(np.sqrt(max(np.average(part, weights=self.levels.pieces[i, keep]), 1e-4)))
+            rivals = frozenset({"low_pass", "angle_random_walk"})
+            found = level_findings(self.levels, i, rivals, self.held[i], False)
+            best = max(found, key=lambda f: f.log_b, default=None)
+            if best is not None and best.effect == "low_pass" and best.log_b > 3.0:
+                out[i] = 1.0
+        return np.clip(out, 0.2, 1e3) * self._rounding() * self.data.own_noise
+
+    def _held_by_repeats(self, i: int) -> Array:
+        """Shape of the spectrum of white noise whose samples repeat with the share found: q^|k|
+        correlated.
+        """
+        size = 0 if self.levels is None else self.levels.ratio.shape[1]
+        found = [f for f in self.link if f.domain == "repeats" and f.channels == (f"gyro{i + 1}",)]
+        q = 0.0
+        if found and found[0].snr2 > 16.0:
+            pairs = sum(float(run.pairs[i]) for run in self.data.full)
+            repeats = sum(float(run.repeats[i]) for run in self.data.full)
+            q = min(repeats / max(pairs, 1.0), 0.95)
+        if q == 0.0 or self.levels is None:
+            return np.ones(size)
+        turn = 2.0 * np.pi * self.levels.frequency
+        shape: Array = (1.0 - q * q) / (1.0 + q * q - 2.0 * q * np.cos(turn))
+        return shape
+
+    def _lines(self, taken: Sequence[Finding]) -> list[Finding]:
+        key = repr(sorted((f.runs, f.parameters["frequency_hz"][0]) for f in taken))
+        if key not in self._known_lines:
+            white = self.data.stated_white * self.whole
+            self._known_lines[key] = line_findings(self.data.full, self.facts, white, self.allowed, taken)
+        return self._known_lines[key]
+
+    def findings(self, causes: Sequence[Cause]) -> list[Finding]:
+        """What may be added to the causes."""
+        mine = [c.finding for c in causes if c.finding is not None]
+        # a column that holds another gyro has that one's noise; a clipped one repeats its limit, bits and all
+        clipped = {name for c in causes if c.effect == "saturation" for name in c.channels}
+        moved = {
+            name for c in causes if c.effect == "channel_swap" for name in (*c.channels, c.key[3])
+        } | clipped
+        # beside a wrong sense or wiring the departures that codes are held against are no noise
+        wired = any(c.effect in _WIRING for c in causes)
+        key = repr((wired, sorted(moved), sorted(clipped))) + repr(
+            sorted((f.domain, f.channels, f.effect, str(f.parameters)) for f in mine)
+        )
+        if key not in self._cache:
+            self._cache[key] = [
+                f
+                for f in self._found(mine)
+                if not (f.domain.split()[0] in ("level", "repeats") and moved & set(f.channels))
+                and not (f.domain == "codes" and clipped & set(f.channels))
+                and not (f.domain == "converter" and wired)
+            ]
+        return self._cache[key]
+
+    def _found(self, mine: Sequence[Finding]) -> list[Finding]:
+        taken = {(f.domain, f.channels) for f in mine}
+        out = [f for f in self.link if (f.domain, f.channels) not in taken]
+        out += self._lines([f for f in mine if f.domain.split()[0] == "lines"])
+        if self.levels is None:
+            return out
+        for i in range(self.data.n):
+            here = [f for f in mine if f.domain == "level" and f.channels == (f"gyro{i + 1}",)]
+            held = self.held[i].copy()
+            for f in here:
+                if f.effect == "low_pass":
+                    tau = float(f.parameters["time_constant_ms"][0])
+                    held *= self.levels.low_passed(tau)
+            for f in mine:
+                if f.process is not None and f.channels == (f"gyro{i + 1}",):
+                    held *= self.levels.beside(*f.process, i)
+            free = any(f.effect == "angle_random_walk" for f in here)
+            named = {f.effect for f in here}
+            allowed = self.allowed - named
+            filtered = "low_pass" in named
+            for f in level_findings(self.levels, i, allowed, held, free, filtered):
+                if not (f.effect == "unknown" and f.feature == "white" and (free or filtered)):
+                    out.append(f)
+        if not any(f.domain == "correlation" for f in mine):
+            out += list(correlation_findings(self.levels, self.allowed))
+        return out

@@ -1,0 +1,472 @@
+"""Noise levels, their colour and their sharing among gyros, from averaged spectra (Whittle's likelihood).
+
+A mean power P of K pieces about an expectation S has ``ln L = -K (ln S + P / S)`` in every line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import combinations, pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.diagnosis.inference.evidence import log_bayes, log_mean_exp
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.observe.full_rate import FullRate
+from fogreduce.effects.at import At, Place
+from fogreduce.effects.electronics import low_pass
+from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.effects.table import EFFECTS
+from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.noise import white_sigma
+from fogreduce.simulate.streams import stream
+
+Array = NDArray[np.float64]
+
+#: How well a record's white noise is taken to be known, relative: the contract does not state it.
+LEVEL_DOUBT = 0.02
+_TAUS_MS = np.geomspace(0.1, 200.0, 40)
+_LEVELS = LEVEL_DOUBT * np.array([3.0, 6.0, 12.0, 25.0, 60.0])
+_EDGES = 14
+_CORRELATIONS = np.array([0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.2, 0.35, 0.6, 0.85])
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Averaged spectra of a campaign's runs, one row a gyro, as ratios to what the record states.
+
+    Attributes
+    ----------
+    ratio : (n, F) array
+        Power over that of the stated white noise, rounding in it.
+    pieces : (n, F) array
+        How many spectra were averaged in each line.
+    frequency : (F,) array
+        As fractions of the sample rate; runs of one rate and piece after those of another.
+    keep : (n, F) array of bool
+        Lines that no spectral line spoils.
+    correlation : (n, n) array
+        Of the gyros' noises; its diagonal is 1.
+    dof : float
+        Independent pairs of numbers behind it.
+    stated : (n,) array
+        N of the record [deg/sqrt(h)].
+    rate_hz : (F,) array
+        Sample rate of the runs that each line comes from.
+    expected : (n, F) array
+        Power that the record states [(deg/h)^2], rounding in it.
+    rounding : (n, F) array
+        The part of it that rounding to counts makes.
+    """
+
+    ratio: Array
+    pieces: Array
+    frequency: Array
+    keep: NDArray[np.bool_]
+    correlation: Array
+    dof: float
+    stated: Array
+    rate_hz: Array
+    expected: Array
+    rounding: Array
+
+    @property
+    def lowest(self) -> NDArray[np.bool_]:
+        """Which lines are the lowest quarter of their runs' spectra, (F,)."""
+        starts = np.flatnonzero(np.diff(self.frequency, prepend=np.inf) < 0.0)
+        out = np.zeros(len(self.frequency), bool)
+        for first, stop in pairwise([*starts.tolist(), len(out)]):
+            out[first : min(first + max((stop - first) // 4, 4), stop)] = True
+        return out
+
+    def low_passed(self, tau_ms: float) -> Array:
+        """Power gain (F,) of the simulator's own low pass."""
+        gain = np.empty(len(self.frequency))
+        for rate in np.unique(self.rate_hz).tolist():
+            here = self.rate_hz == rate
+            gain[here] = filter_gain(tau_ms, rate, self.frequency[here])
+        return gain
+
+    def low_passes(self) -> Array:
+        """Power gains (taus, F) of low passes of each of `_TAUS_MS`."""
+        gains = np.empty((len(_TAUS_MS), len(self.frequency)))
+        for rate in np.unique(self.rate_hz).tolist():
+            lines = self.frequency[self.rate_hz == rate]
+            gains[:, self.rate_hz == rate] = _gains(rate, len(lines), lines.tobytes())
+        return gains
+
+    def white_level(self, mean: float, i: int, which: NDArray[np.bool_]) -> float:
+        """N [deg/sqrt(h)] of gyro i whose power in some lines is `mean` times the expected one.
+
+        Rounding goes off once, whatever the level: it is no part of N.
+        """
+        weight = self.pieces[i, which]
+        rounding = float(weight @ (self.rounding[i, which] / self.expected[i, which]) / weight.sum())
+        return float(self.stated[i] * np.sqrt(max(mean - rounding, 1e-12) / max(1.0 - rounding, 1e-12)))
+
+    def beside(self, kind: str, size: float, i: int) -> Array:
+        """Shape (F,) that a further process gives the spectrum of gyro i; a smooth one does not show."""
+        if kind not in ("flicker", "walk"):
+            return np.ones(len(self.frequency))
+        added = _drifting(self.frequency * self.rate_hz, **{kind: size})
+        result: Array = 1.0 + 0.5 * self.rate_hz * added / self.expected[i]
+        return result
+
+
+def levels(
+    runs: Sequence[FullRate],
+    facts: Sequence[RunFacts],
+    stated: Array,
+    spoiled_hz: Sequence[Sequence[float]],
+    bits: Array,
+    colour: tuple[Array, Array],
+    own: Array,
+) -> Levels | None:
+    """Averages over runs of one rate and piece, one such group after another; None where all are too short.
+
+    Parameters
+    ----------
+    runs : statistics of each run
+    facts : RunFacts of each run
+    stated : (n,) array
+        N of the record [deg/sqrt(h)].
+    spoiled_hz : for each gyro
+        Frequencies of lines, to be left out.
+    bits : (n,) array
+        Bits that are always 0, whose rounding adds noise.
+    colour : two (n,) arrays
+        B [deg/h] and K [deg/h/sqrt(h)] of the record.
+    own : (R, n) array
+        Noise of each run over that of the gyro's others, to be divided out.
+    """
+    groups: dict[tuple[float, int], list[int]] = {}
+    for r, run in enumerate(runs):
+        if run.pieces > 0:
+            groups.setdefault((facts[r].sample_rate_hz, len(run.frequency)), []).append(r)
+    if not groups:
+        return None
+    parts = [
+        _group([runs[r] for r in members], facts[members[0]], stated, spoiled_hz, bits, colour, own[members])
+        for members in groups.values()
+    ]
+    total = np.sum([products / (1.0 if len(parts) == 1 else size) for _, products, size in parts], axis=0)
+    scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
+    correlation = total / np.outer(scale, scale)
+    np.fill_diagonal(correlation, 1.0)  # also of a gyro that rests in every run
+    each = [part for part, _, _ in parts]
+    return Levels(
+        ratio=np.hstack([part.ratio for part in each]),
+        pieces=np.hstack([part.pieces for part in each]),
+        frequency=np.concatenate([part.frequency for part in each]),
+        keep=np.hstack([part.keep for part in each]),
+        correlation=correlation,
+        dof=sum(part.dof for part in each),
+        stated=stated,
+        rate_hz=np.concatenate([part.rate_hz for part in each]),
+        expected=np.hstack([part.expected for part in each]),
+        rounding=np.hstack([part.rounding for part in each]),
+    )
+
+
+def _group(
+    runs: Sequence[FullRate],
+    facts: RunFacts,
+    stated: Array,
+    spoiled_hz: Sequence[Sequence[float]],
+    bits: Array,
+    colour: tuple[Array, Array],
+    own: Array,
+) -> tuple[Levels, Array, Array]:
+    """Averages over runs of one rate and piece; sums of the gyros' products, and the size of noise's."""
+    frequency, n, rate = runs[0].frequency, facts.n_gyros, facts.sample_rate_hz
+    white = np.array([float(white_sigma(s, rate)) for s in stated]) * SECONDS_PER_HOUR
+    rounding = rounding_variance(facts, bits)
+    # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
+    drifting = _drifting(frequency * rate, *(size[:, None] for size in colour))
+    expected = (white**2 + rounding)[:, None] + 0.5 * rate * drifting
+    power, pieces = np.zeros((n, len(frequency))), np.zeros(n)
+    cross = np.zeros((len(frequency), n, n))
+    for run, size in zip(runs, own, strict=True):
+        awake = ~run.at_rest
+        power[awake] += run.pieces * run.power[awake] / size[awake, None] ** 2
+        pieces += run.pieces * awake
+        cross += run.pieces * run.cross * (np.outer(awake, awake) / np.outer(size, size))
+    keep = np.ones((n, len(frequency)), bool)
+    width = 1.6 * (frequency[1] - frequency[0])
+    for i, lines in enumerate(spoiled_hz):
+        for hz in lines:
+            keep[i] &= np.abs(frequency - hz / rate) > width
+    clean = keep.all(axis=0)
+    part = Levels(
+        ratio=power / np.maximum(pieces, 1.0)[:, None] / expected,
+        pieces=np.repeat(pieces[:, None], len(frequency), axis=1),
+        frequency=frequency,
+        keep=keep,
+        correlation=np.eye(n),
+        dof=float(sum(run.pieces for run in runs)) * float(clean.sum()),
+        stated=stated,
+        rate_hz=np.full(len(frequency), rate),
+        expected=expected,
+        rounding=np.repeat(rounding[:, None], len(frequency), axis=1),
+    )
+    return part, cross[clean].sum(axis=0), np.sqrt(np.outer(white**2 + rounding, white**2 + rounding))
+
+
+def rounding_variance(facts: RunFacts, bits: Array) -> Array:
+    """Variance [(deg/h)^2] that rounding to counts adds to each gyro's samples, (n,): a step's square / 12.
+
+    Parameters
+    ----------
+    facts : RunFacts
+    bits : (n,) array
+        Lowest bits that are always 0: the step is so much wider.
+    """
+    step = facts.least_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
+    return np.asarray(step**2 / 12.0, np.float64)
+
+
+def _drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0.0) -> Array:
+    """One-sided density [(deg/h)^2/Hz] of flicker of B [deg/h] and a walk of K [deg/h/sqrt(h)]."""
+    turning = 2.0 * np.pi * hertz
+    result: Array = 2.0 * np.square(flicker) / turning + 2.0 * np.square(walk) / (
+        SECONDS_PER_HOUR * turning**2
+    )
+    return result
+
+
+def filter_gain(tau_ms: float, rate_hz: float, frequency: Array) -> Array:
+    """Power gain of the simulator's own low pass at frequencies given as fractions of the sample rate."""
+    size = 8192
+    impulse = np.zeros(size)
+    impulse[1] = 1.0
+    place = Place("", 0, (), 1, partial(stream, 0, "gap"))
+    nowhere: Any = None  # a filter looks at nothing but its input
+    at = At(place, impulse, 1.0 / rate_hz, nowhere, impulse, None, impulse, impulse)
+    response = np.abs(np.fft.rfft(low_pass(impulse, {"time_constant_ms": tau_ms}, at))) ** 2
+    return np.interp(frequency, np.fft.rfftfreq(size), response)
+
+
+@lru_cache(maxsize=8)
+def _gains(rate_hz: float, count: int, frequency: bytes) -> Array:
+    """Power gains of low passes of each of `_TAUS_MS`, (taus, F); frequencies as bytes of float64."""
+    lines = np.frombuffer(frequency, np.float64, count)
+    return np.array([filter_gain(t, rate_hz, lines) for t in _TAUS_MS.tolist()])
+
+
+def _profile(mean_ratio: Array, weight: float, spreads: Array) -> Array:
+    """Ln evidence, over that of the best level, of levels spread normally about the record's.
+
+    `mean_ratio`: power found over power expected; `weight`: how many exponential deviates it is the mean of;
+    `spreads`: standard deviations of ln level, each a hypothesis (..., len(spreads)).
+    """
+    found = 0.5 * np.log(np.maximum(mean_ratio, 1e-12))[..., None]
+    error = 0.5 / np.sqrt(weight)
+    width2 = spreads**2 + error**2
+    result: Array = -0.5 * found**2 / width2 - 0.5 * np.log(width2 / error**2)
+    return result
+
+
+def level_evidence(ratio: float, weight: float) -> tuple[float, float]:
+    """Ln B of a level that is none of the record's, and twice the gain in ln likelihood.
+
+    Parameters
+    ----------
+    ratio : float
+        Power found over power expected.
+    weight : float
+        How many exponential deviates it is the mean of.
+    """
+    nothing = float(_profile(np.array(ratio), weight, np.array([LEVEL_DOUBT]))[0])
+    anything = float(log_mean_exp(_profile(np.array(ratio), weight, _LEVELS)))
+    return anything - nothing, (0.5 * np.log(ratio)) ** 2 / (LEVEL_DOUBT**2 + 0.25 / weight)
+
+
+def level_findings(
+    lv: Levels, i: int, allowed: frozenset[str], held: Array, free: bool, filtered: bool = False
+) -> list[Finding]:
+    """White noise of another level, a low pass, or an unknown colour, at gyro i.
+
+    Parameters
+    ----------
+    lv : Levels
+    i : int
+    allowed : names of effects
+    held : (F,) array
+        Shape of the spectrum that causes found already make.
+    free : bool
+        Whether the level is a cause already, and so anything.
+    filtered : bool
+        Whether a filter is a cause already: a second one is not looked for.
+    """
+    keep = lv.keep[i] & (lv.pieces[i] > 0.0)
+    if keep.sum() < 8:
+        return []
+    ratio, pieces = lv.ratio[i, keep] / held[keep], lv.pieces[i, keep]
+    weight = float(pieces.sum())
+    name = gyro_name(i)
+
+    def best_log(r: Array) -> Array:
+        """Ln likelihood (..., F) at the best level."""
+        return -weight * (np.log(_mean(r, pieces)) + 1.0)
+
+    null_spread = np.array([2.0 if free else LEVEL_DOUBT])
+    mean = float(_mean(ratio, pieces))
+    nothing = float(best_log(ratio)) + float(_profile(np.array(mean), weight, null_spread)[0])
+    out: list[Finding] = []
+
+    def add(
+        effect: str,
+        log_z: float,
+        snr2: float,
+        parameters: dict[str, tuple[float, float]],
+        feature: str,
+        stage: str,
+        degrees: int = 1,
+    ) -> None:
+        out.append(
+            Finding(
+                effect,
+                (name,),
+                ("*",),
+                log_z - nothing,
+                snr2,
+                parameters,
+                1.0 / lv.ratio.shape[0],
+                "level",
+                stage,
+                feature,
+                degrees,
+            )
+        )
+
+    found, error = 0.5 * np.log(mean), 0.5 / np.sqrt(weight)
+    level_snr2 = found**2 / (LEVEL_DOUBT**2 + error**2)
+    if not free:
+        anything = float(best_log(ratio)) + float(log_mean_exp(_profile(np.array(mean), weight, _LEVELS)))
+        if "angle_random_walk" in allowed:
+            value = lv.white_level(mean, i, keep)
+            # of the whole power, whose part that is rounding is exact
+            std = (
+                error * mean * (lv.white_level(2.0, i, keep) ** 2 - lv.white_level(1.0, i, keep) ** 2) / value
+            )
+            add("angle_random_walk", anything, level_snr2, {"deg_sqrt_h": (value, std)}, "white", "noise")
+        else:
+            add("unknown", anything, level_snr2, {}, "white", "noise")
+    if not filtered:
+        gains = lv.low_passes()[:, keep]
+        under = ratio / gains
+        logs = best_log(under) - np.log(gains) @ pieces
+        logs = logs + _profile(_mean(under, pieces), weight, null_spread)[:, 0]
+        tau, std = _peak(_TAUS_MS, logs)
+        snr2 = 2.0 * max(float(logs.max()) - nothing, 0.0)
+        log_z = float(log_mean_exp(logs))
+        if "low_pass" in allowed:
+            add("low_pass", log_z, snr2, {"time_constant_ms": (tau, std)}, "band", "electronics")
+        else:
+            add("unknown", log_z, snr2, {}, "band", "noise")
+    order = np.argsort((lv.frequency * lv.rate_hz)[keep], kind="stable")
+    q = _bands(ratio[order], pieces[order])
+    logs = log_bayes(q, 1)
+    best = float(q.max()) if q.size else 0.0
+    # the level is that outside the band: as free as it is for nothing wrong
+    add("unknown", nothing + float(log_mean_exp(logs)), best, {}, "band", "noise", 3)
+    return out
+
+
+def _mean(ratio: Array, pieces: Array) -> Array:
+    """Means of ratios (..., F), each line with the weight of its pieces (F,)."""
+    result: Array = (ratio @ pieces) / pieces.sum()
+    return result
+
+
+def _bands(ratio: Array, pieces: Array) -> Array:
+    """Twice the gain in ln likelihood of each band with a level of its own; lines in order of frequency."""
+    edges = np.unique(np.linspace(0, len(ratio), _EDGES + 1).astype(int))
+    sums = np.concatenate(([0.0], np.cumsum(pieces * ratio)))
+    weights = np.concatenate(([0.0], np.cumsum(pieces)))
+    low, high = np.array(list(combinations(edges.tolist(), 2))).T
+    some = high - low < len(ratio)
+    low, high = low[some], high[some]
+    within, inside = sums[high] - sums[low], weights[high] - weights[low]
+    outside = weights[-1] - inside
+    q: Array = 2.0 * (
+        weights[-1] * np.log(sums[-1] / weights[-1])
+        - inside * np.log(within / inside)
+        - outside * np.log((sums[-1] - within) / outside)
+    )
+    return np.maximum(q, 0.0)
+
+
+def _peak(grid: Array, logs: Array) -> tuple[float, float]:
+    """Where ln likelihood is highest, and its width, from a parabola in ln grid."""
+    k = int(np.clip(np.argmax(logs), 1, len(grid) - 2))
+    x = np.log(grid[k - 1 : k + 2])
+    a, b, _ = np.polyfit(x - x[1], logs[k - 1 : k + 2] - logs[k], 2)
+    if a >= 0.0:
+        return float(grid[int(np.argmax(logs))]), float(grid[k])
+    shift = float(np.clip(-b / (2.0 * a), x[0] - x[1], x[2] - x[1]))
+    value = float(np.exp(x[1] + shift))
+    return value, value / np.sqrt(-2.0 * a)
+
+
+def correlation_findings(lv: Levels, allowed: frozenset[str]) -> Iterator[Finding]:
+    """White noise that gyros share: one correlation for a group of gyros, or any for any pair."""
+    n = len(lv.correlation)
+    if n < 2 or lv.dof == 0:
+        return
+    if "common_noise" in allowed and "common_noise" in EFFECTS:
+        for size in range(n, 1, -1):
+            groups = list(combinations(range(n), size))
+            for group in groups:
+                share = 0.7 if size == n else 0.3 / (n - 2) / len(groups)
+                if n == 2:
+                    share = 1.0
+                yield _shared(lv, group, share)
+    for i, j in combinations(range(n), 2):
+        q = lv.dof * 2.0 * float(np.arctanh(np.clip(lv.correlation[i, j], -0.999999, 0.999999))) ** 2
+        pair = (gyro_name(i), gyro_name(j))
+        log_b = float(log_bayes(np.array(q), 1))
+        yield Finding(
+            "unknown", pair, ("*",), log_b, q, {}, 2.0 / n / (n - 1), "correlation", "noise", "correlation"
+        )
+
+
+def _shared(lv: Levels, group: tuple[int, ...], share: float) -> Finding:
+    part = lv.correlation[np.ix_(group, group)]
+    size = len(group)
+    mean = (part.sum() - size) / (size * (size - 1))
+    fine = np.linspace(mean - 0.02, mean + 0.02, 41)
+    lowest = -1.0 / (size - 1)
+    values = np.concatenate([_CORRELATIONS, -_CORRELATIONS, fine])
+    logs = np.full(len(values), -np.inf)
+    for k, rho in enumerate(values.tolist()):
+        if lowest < rho < 1.0:
+            # of (1 - r) 1 + r J: eigenvalues 1 - r, and 1 + (m - 1) r once
+            own, whole = 1.0 - rho, 1.0 + (size - 1) * rho
+            trace = (size - part.sum() / size) / own + part.sum() / size / whole
+            logs[k] = -lv.dof * ((size - 1) * np.log(own) + np.log(whole) + trace - size)
+    coarse = logs[: 2 * len(_CORRELATIONS)]
+    best = int(np.argmax(logs))
+    # the true value lies between points of the coarse grid: its peak is the fine grid's, as wide as a cell
+    # allows
+    std = float(1.0 / np.sqrt(2.0 * lv.dof * size * (size - 1) / 2.0))
+    spacing = 0.5 * abs(float(values[best]))
+    peak = float(logs[best]) + np.log(min(2.5 * std / max(spacing, std), 1.0)) - np.log(len(coarse))
+    log_b = max(float(log_mean_exp(coarse)), peak)
+    return Finding(
+        "common_noise",
+        tuple(gyro_name(i) for i in group),
+        ("*",),
+        log_b,
+        2.0 * float(logs[best]),
+        {"correlation": (float(values[best]), std)},
+        share,
+        "correlation",
+        "noise",
+        "correlation",
+    )

@@ -1,0 +1,1 @@
+"""Random processes in block means."""

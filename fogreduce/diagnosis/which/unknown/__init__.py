@@ -1,0 +1,1 @@
+"""Families of shapes that no effect of the catalogue makes."""
