@@ -54,7 +54,11 @@ STAGES = {
         (*_SCALE_FACTORS, *_BIASES),
     ),
     "project": StageFacts(
-        ("datasets/calibrate.nc",), ("datasets/project.nc",), ("block_records",), (), ("H", "axes")
+        ("datasets/calibrate.nc",),
+        ("datasets/project.nc",),
+        ("block_records", "complete_records"),
+        (),
+        ("H", "axes", "noise"),
     ),
     "remove_earth": StageFacts(
         ("datasets/project.nc",),
@@ -71,14 +75,14 @@ STAGES = {
             "tables/rate_fit.csv",
             "tables/unstable.csv",
         ),
-        ("block_records", "edge_guard_s", "unstable"),
+        ("block_records", "complete_records", "edge_guard_s", "unstable"),
         ("table", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg"),
         ("uncertainty",),
     ),
     "drift": StageFacts(
         ("reports/fit.json",),
-        ("tables/drift.csv", "tables/rates.csv"),
-        (),
+        ("tables/drift.csv", "tables/rates.csv", "tables/drift_by_records.csv"),
+        ("complete_records",),
         ("table", "frame_signs", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg", "capture"),
         (*_SCALE_FACTORS, *_BIASES, "H", "axes", "uncertainty"),
     ),
@@ -94,6 +98,7 @@ _WITHOUT = {
     "rate_fit.csv": ("drift",),
     "drift.csv": (),
     "rates.csv": (),
+    "drift_by_records.csv": (),
 }
 
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.parameters import projection
 from fogreduce.calibrate.solution import (
     IGNORANCE_AXIS_RAD,
     IGNORANCE_BIAS_DEG_H,
@@ -18,6 +17,7 @@ from fogreduce.calibrate.solution import (
     Solution,
 )
 from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.physics.redundancy import projection
 from fogreduce.physics.special import log_chi2_tail
 
 SCHEMA = "fogreduce/derivation/1"

@@ -6,7 +6,6 @@ direction. The covariance goes along by the derivatives: dC = G . ds, and across
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,16 +74,3 @@ def parameters_of(solution: Solution) -> Parameters:
         directions.append(both)
     covariance = jacobian @ solution.covariance @ jacobian.T
     return Parameters(np.array(bias), np.array(ratio), np.array(axes), np.array(directions), covariance)
-
-
-def projection(axes: Array, white: Sequence[float] | Array | None = None) -> Array:
-    """H (3, n), a left inverse of the axes G (n, 3).
-
-    Without `white` the pseudo-inverse, which the record's contract has; with the gyros' white noise, the one
-    that makes x, y, z quietest: ``(G' W G)^-1 G' W``, W = 1 / noise^2 (generalised least squares).
-    """
-    if white is None:
-        return np.linalg.pinv(axes).astype(np.float64)
-    weight = axes.T / np.asarray(white, float) ** 2
-    found: Array = np.linalg.solve(weight @ axes, weight)
-    return found

@@ -11,10 +11,10 @@ import fogreduce
 from fogreduce.archive.code import code_digest
 from fogreduce.archive.digest import file_digest
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.parameters import projection
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.metadata.calibration import record_in
 from fogreduce.metadata.instant import instant_text
+from fogreduce.physics.redundancy import projection
 
 #: Parameters of a gyro in the covariance, in the order of `parameters.NAMES`.
 _PARAMETERS = ("bias_deg_h", "scale_factor_rel", "axis1_rad", "axis2_rad")

@@ -92,14 +92,17 @@ def _usable(setup: Setup, channel: str) -> tuple[Any, Any]:
     is_gyro = channel in setup.gyros
     variable = setup.facts.raw_unit.variable if is_gyro else "axis_rate"
     row = (setup.gyros if is_gyro else setup.axes).index(channel)
+    unusable = UNUSABLE_AXES if setup.complete_records and not is_gyro else UNUSABLE_RECORD
     times, values = [], []
     with StageDataset(setup, "ingest" if is_gyro else "remove_earth") as source:
         names = ("time", "flag", variable, *(["gyro_flag"] if is_gyro else []))
         packed = is_gyro and source.has_counts()
         for _, part in source.blocks(names):
-            usable = (part["flag"] & (UNUSABLE_RECORD if is_gyro else UNUSABLE_AXES)) == 0
+            usable = (part["flag"] & unusable) == 0
             if is_gyro:
                 usable &= part["gyro_flag"][row] == 0
+            elif not setup.complete_records:
+                usable &= np.isfinite(part[variable][row])
             kept = part[variable][row : row + 1, usable]
             times.append(seconds(part["time"][usable]))
             values.append((raw_from_counts(kept, setup.facts.least_count) if packed else kept)[0])

@@ -3,7 +3,8 @@
 A reading repeats the one before with a probability p that the record shows by itself, at the same commanded
 rate; a run of L repeats among N readings then occurs by chance N p^L times. Readings coarser than the noise
 repeat often, and for as long as the rate rests between two transitions; those without noise repeat always:
-they are left alone.
+they are left alone, unless the unit's other gyros scatter by many steps, so that one that never has changed
+is dead.
 """
 
 from __future__ import annotations
@@ -24,6 +25,10 @@ Integers = NDArray[np.integer[Any]]
 _FEWEST, _MOST = 16, 128
 #: Chance at which a run of repeats in a record is no accident, as its natural logarithm.
 _LN_CHANCE = math.log(1e-6)
+#: Share of repeats up to which a gyro scatters by many steps: of normal noise of 3 steps a tenth repeat.
+_ALIVE = 0.1
+#: Share of steps that go back on the one before from which on readings scatter: 2/3 in noise, 0 in a wave.
+_BACK = 0.5
 #: Steps of the converter: where half of all changes are smaller, readings move by single steps.
 _SINGLE = 1.5
 
@@ -43,6 +48,7 @@ class ConstantSearch:
         self._repeats = np.zeros(n_gyros, np.int64)
         self._run = np.zeros(n_gyros, np.int64)
         self._last: Values | None = None
+        self._dead: set[int] = set()
 
     @property
     def repeated(self) -> NDArray[np.float64]:
@@ -76,6 +82,11 @@ class ConstantSearch:
         found: Flags | None = None
         run = np.zeros(n, np.int64)
         for gyro in suspects.tolist():
+            if self._is_dead(gyro, values):
+                self._dead.add(gyro)
+                found = np.zeros(values.shape, bool) if found is None else found
+                found[gyro] = True
+                continue
             starts, stops = _stretches(repeats[gyro])
             lengths = stops - starts
             if starts.size and starts[0] == 0:
@@ -92,6 +103,18 @@ class ConstantSearch:
                 found[gyro, max(start - 1, 0) : stop] = True
         self._run = run
         return found
+
+    def _is_dead(self, gyro: int, values: Values) -> bool:
+        """Whether a gyro has never changed its reading so far, while every other scatters by many steps."""
+        shares = self.repeated
+        others = np.flatnonzero(shares < 1.0)
+        if shares[gyro] < 1.0 or not others.size:
+            return False
+        if gyro in self._dead or values.shape[1] < self._shortest:
+            return gyro in self._dead
+        steps = np.sign(np.diff(values[others].astype(np.float64), axis=1))
+        back = (steps[:, 1:] * steps[:, :-1] < 0).mean(axis=1)
+        return bool(shares[others].max() <= _ALIVE and back.min() >= _BACK)
 
 
 def _least_run(readings: Values, segments: Integers, within: int) -> float:

@@ -189,7 +189,7 @@ class CurveSums:
         self._records = np.zeros(channels, np.int64)
         self._reference = np.full(channels, np.nan)
 
-    def add(self, columns: Array, values: Array, usable: NDArray[np.bool_] | None) -> None:
+    def add(self, columns: Array, values: Array, usable: NDArray[np.bool_] | Array | None) -> None:
         """Add records.
 
         Parameters
@@ -198,8 +198,8 @@ class CurveSums:
             The basis at the records' times.
         values : (channels, N) array
             Not changed. May be NaN where not usable.
-        usable : (channels, N) array of bool or None
-            Which values count; None = all.
+        usable : (channels, N) array of bool or of float, or None
+            Which values count, or with what weight (0 to 1, 1 that of a value of full accuracy); None = all.
         """
         if values.shape[1] == 0:
             return
@@ -208,16 +208,18 @@ class CurveSums:
         records = values.shape[1]
         if usable is not None:
             # Few records are out of the ordinary: leave them out here, then add what counts of each channel.
-            odd = np.flatnonzero(~usable.all(axis=0))
+            odd = np.flatnonzero(~(usable == 1).all(axis=0))
             records -= odd.size
             odd_columns, odd_shifted = columns[:, odd], shifted[:, odd]
             columns = columns.copy()
             columns[:, odd] = shifted[:, odd] = 0.0
             for channel in range(len(values)):
-                alone = usable[channel, odd]
+                alone = usable[channel, odd] > 0
                 if alone.any():
-                    part = odd_shifted[channel : channel + 1, alone]
-                    self._add(odd_columns[:, alone], part, slice(channel, channel + 1), int(alone.sum()))
+                    root = np.sqrt(usable[channel, odd[alone]])
+                    part = root * odd_shifted[channel : channel + 1, alone]
+                    one = slice(channel, channel + 1)
+                    self._add(root * odd_columns[:, alone], part, one, int(alone.sum()))
         self._add(columns, shifted, slice(None), records)
 
     def _add(self, columns: Array, values: Array, channels: slice, records: int) -> None:
@@ -226,7 +228,7 @@ class CurveSums:
         self._yy[channels] += np.einsum("cn,cn->c", values, values)
         self._records[channels] += records
 
-    def _note_reference(self, values: Array, usable: NDArray[np.bool_] | None) -> None:
+    def _note_reference(self, values: Array, usable: NDArray[np.bool_] | Array | None) -> None:
         """A value near each channel's mean, taken away before squares are summed."""
         for channel in np.flatnonzero(np.isnan(self._reference)):
             if usable is None:

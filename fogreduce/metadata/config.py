@@ -86,6 +86,11 @@ class ReductionConfig(ConfigModel):
         default="command",
         description="where the table's angle comes from: the commanded profile or the encoder's log",
     )
+    complete_records: bool = Field(
+        default=True,
+        description="whether x, y, z take only records in which every gyro answered (the paper's way); "
+        "false: those of three gyros or more too",
+    )
 
 
 Folder = Annotated[str, Field(min_length=1)]

@@ -33,6 +33,10 @@ DRIFT_COLUMNS = (
     "integral_deg,integral_err_deg,integral_err_coloured_deg,integral_err_stated_deg,integral_less_commanded_deg"
 ).split(",")
 
+#: Of drift_by_records.csv: by complete records and, where `complete_records` is false, by every record of
+#: three gyros or more; errors of white noise.
+RULE_COLUMNS = ["axis", "segment", "rule", "records", "drift_deg_h", "drift_err_deg_h", "version_id"]
+
 
 def drift_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
     """(4,): the accumulated error is these times theta = (a, p, q, e).
@@ -144,6 +148,27 @@ def drift_rows(
             error, integral = over_segments(errors[axis]), over_segments(integrals[axis])
             nominal = signs[axis] * turned
             rows.append(_row(axis, facts.profile.end_s, nominal, error, integral, "all", version_id))
+    return rows
+
+
+def rule_rows(
+    fits: Mapping[str, Any], axes: Sequence[str], complete_records: bool, version_id: str
+) -> list[list[Cell]]:
+    """Rows of drift_by_records.csv: the drift of each axis in each segment by either choice of records."""
+    rows: list[list[Cell]] = []
+    for segment in fits["segments"]:
+        every = {item["channel"]: item for item in segment["channels"] if item is not None}
+        duration = segment["stop_s"] - segment["start_s"]
+        for axis, complete in zip(axes, segment["complete_records"], strict=False):
+            rules = {"complete": every.get(axis) if complete_records else complete}
+            if not complete_records:
+                rules["every"] = every.get(axis)
+            for rule, item in rules.items():
+                error = Angle() if item is None else accumulated_error(segment, item)
+                records = 0 if item is None else item["records"]
+                per_hour = SECONDS_PER_HOUR / duration
+                drift = [error.value * per_hour, error.white * per_hour]
+                rows.append([axis, segment["segment"], rule, records, *drift, version_id])
     return rows
 
 

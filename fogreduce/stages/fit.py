@@ -6,14 +6,14 @@ left out: a stamp rounded to the microsecond, or a table that takes time to chan
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.constants import EARTH_RATE_DEG_S
-from fogreduce.datasets.flags import UNUSABLE_AXES, RecordFlag
+from fogreduce.datasets.flags import UNUSABLE_AXES, UNUSABLE_RECORD, RecordFlag
 from fogreduce.estimate.bins import Bins, bin_size, bins_of
 from fogreduce.estimate.coloured import (
     ColouredNoise,
@@ -23,6 +23,7 @@ from fogreduce.estimate.coloured import (
     fit_noise,
 )
 from fogreduce.estimate.determined import phase_note, why_undetermined
+from fogreduce.estimate.every_record import Geometries, patterns
 from fogreduce.estimate.mean_curve import CurveBasis, CurveFit, CurveSums, curve
 from fogreduce.estimate.rounding import correlation_time, systematic_variance
 from fogreduce.estimate.uncertainty import StatedErrors, stated_covariance
@@ -43,7 +44,10 @@ _WORST_BASIS = 1e7  # condition of the basis at the bins: stamps beyond it are s
 
 @dataclass(frozen=True)
 class Segment:
-    """A segment of constant commanded rate, the curve's basis on it and the sums of gyros and of axes."""
+    """A segment of constant commanded rate, the curve's basis on it and the sums of gyros and of axes.
+
+    `complete` are the sums of x, y, z over complete records only, where `axes` holds the others too.
+    """
 
     number: int
     start_s: float
@@ -52,6 +56,8 @@ class Segment:
     basis: CurveBasis
     gyros: CurveSums
     axes: CurveSums
+    complete: CurveSums
+    answered: dict[bytes, int] = field(default_factory=dict)  # records by the gyros that answered
 
 
 @dataclass(frozen=True)
@@ -101,6 +107,7 @@ class SegmentFit:
     stop_s: float
     rate_deg_s: float
     channels: list[ChannelFit | None]
+    complete: list[CurveFit | None]  # of x, y, z over complete records only
 
 
 @dataclass
@@ -119,6 +126,9 @@ class Fit:
         What run.yaml and calibration record state as uncertain.
     guard_s : float
         Left out on both sides of an edge between two rates [s].
+    complete_records : bool
+        Whether x, y, z take only records in which every gyro answered; else see
+        `fogreduce.estimate.every_record`.
     """
 
     facts: RunFacts
@@ -127,6 +137,7 @@ class Fit:
     block_records: int
     stated: StatedErrors
     guard_s: float
+    complete_records: bool = True
     _gyro_bins: list[Bins] = field(default_factory=list)
     _axis_bins: list[Bins] = field(default_factory=list)
 
@@ -137,8 +148,10 @@ class Fit:
         self.segments = []
         for k, rate in enumerate(profile.rate_deg_s.tolist()):
             basis = CurveBasis.of(edges[k], edges[k + 1], rate)
-            sums = CurveSums(basis, n), CurveSums(basis, len(self.channels) - n)
+            axes = len(self.channels) - n
+            sums = CurveSums(basis, n), CurveSums(basis, axes), CurveSums(basis, axes)
             self.segments.append(Segment(k + 1, edges[k], edges[k + 1], rate, basis, *sums))
+        self._geometries = Geometries(self.facts.axes, self.facts.white_noise)
         self._size = bin_size(self.n_records, self.facts.sample_rate_hz, self.block_records)
 
     @property
@@ -158,17 +171,38 @@ class Fit:
         usable = usable_gyros(flag, gyro_flag)
         middle_s = _mended(time_s, flag)
         self._gyro_bins.append(bins_of(middle_s, raw, usable, self._size))
-        usable_axes = None
+        complete = weight = None
         if rates is not None:
             if usable is not None:
-                usable_axes = np.broadcast_to((flag & UNUSABLE_AXES) == 0, rates.shape)
-            self._axis_bins.append(bins_of(middle_s, rates, usable_axes, self._size))
+                complete = np.broadcast_to((flag & UNUSABLE_AXES) == 0, rates.shape)
+                weight = complete if self.complete_records else self._weight(flag, gyro_flag)
+            counted = None if weight is None else weight > 0
+            self._axis_bins.append(bins_of(middle_s, rates, counted, self._size))
         for segment in self.segments:
             inside = slice(None) if len(self.segments) == 1 else self.inside(segment, time_s)
             columns = segment.basis.columns(time_s[inside])
             segment.gyros.add(columns, raw[:, inside], _part(usable, inside))
             if rates is not None:
-                segment.axes.add(columns, rates[:, inside], _part(usable_axes, inside))
+                segment.axes.add(columns, rates[:, inside], _part(weight, inside))
+                if not self.complete_records:
+                    segment.complete.add(columns, rates[:, inside], _part(complete, inside))
+                    self._count(segment, gyro_flag[:, inside], flag[inside])
+
+    def _weight(self, flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8]) -> Array:
+        """Weight of each record in the curves of x, y, z, (3, N): 1 where every gyro answered."""
+        weight = np.zeros((3, flag.size))
+        for there, records in patterns(gyro_flag == 0):
+            geometry = self._geometries.of(there)
+            if geometry is not None:
+                weight[:, records] = geometry.weight[:, None]
+        weight[:, (flag & UNUSABLE_RECORD) != 0] = 0.0
+        return weight
+
+    def _count(self, segment: Segment, gyro_flag: NDArray[np.uint8], flag: NDArray[np.uint8]) -> None:
+        """Records of a segment by the gyros that answered."""
+        for there, records in patterns(gyro_flag[:, (flag & UNUSABLE_RECORD) == 0] == 0):
+            key = there.tobytes()
+            segment.answered[key] = segment.answered.get(key, 0) + records.size
 
     def inside(self, segment: Segment, time_s: Array) -> Mask:
         """Which times lie in a segment, the guard of the edges between segments left out."""
@@ -205,6 +239,7 @@ class Fit:
                 segment.stop_s,
                 segment.rate_deg_s,
                 self._channel_fits(segment, bins),
+                self._complete_fits(segment),
             )
             for segment in self.segments
         ]
@@ -215,6 +250,21 @@ class Fit:
         for channel in range(len(self.channels)):
             found.append(self._channel_fit(segment, channel, bins, self._rounding(channel, steps)))
         return found
+
+    def _complete_fits(self, segment: Segment) -> list[CurveFit | None]:
+        """The curves of x, y, z over complete records only, as many terms as with all records."""
+        sums = segment.axes if self.complete_records else segment.complete
+        return [
+            sums.fit(k, len(segment.basis.whiten)) for k in range(len(self.channels) - self.facts.n_gyros)
+        ]
+
+    def _facts_of(self, segment: Segment) -> RunFacts:
+        """The run's facts, with the projection of the gyros that answered in most records of a segment."""
+        if not segment.answered:
+            return self.facts
+        most = max(segment.answered, key=lambda key: segment.answered[key])
+        geometry = self._geometries.of(np.frombuffer(most, bool))
+        return self.facts if geometry is None else replace(self.facts, projection=geometry.projection)
 
     def _rounding_of_gyros(self, segment: Segment) -> list[Rounding]:
         """What rounding to counts leaves in the mean of each gyro."""
@@ -268,7 +318,9 @@ class Fit:
             return None
         stated = None
         if channel >= n:
-            stated = stated_covariance(self.facts, self.stated, segment.number, terms)[channel - n]
+            stated = stated_covariance(self._facts_of(segment), self.stated, segment.number, terms)[
+                channel - n
+            ]
         reasons.append(phase_note(fitted, covariance))
         said = "; ".join(filter(None, reasons))
         return ChannelFit(self.channels[channel], fitted, coloured, noise, stated, said)
@@ -316,7 +368,7 @@ def _mended(time_s: Array, flag: NDArray[np.uint8]) -> Array:
     return mended
 
 
-def _part(usable: Mask | None, inside: slice | Mask) -> Mask | None:
+def _part(usable: Mask | Array | None, inside: slice | Mask) -> Mask | Array | None:
     return None if usable is None else usable[:, inside]
 
 
@@ -336,9 +388,25 @@ def as_plain(fits: list[SegmentFit], unstable: list[Unstable], bin_s: float) -> 
                 "stop_s": segment.stop_s,
                 "rate_deg_s": segment.rate_deg_s,
                 "channels": [None if item is None else _plain_channel(item) for item in segment.channels],
+                "complete_records": [
+                    None if item is None else _plain_curve(item) for item in segment.complete
+                ],
             }
             for segment in fits
         ],
+    }
+
+
+def _plain_curve(item: CurveFit) -> dict[str, Any]:
+    """What the drift of a curve needs, white noise its only error."""
+    return {
+        "theta": item.theta.tolist(),
+        "covariance": item.covariance.tolist(),
+        "coloured_covariance": None,
+        "stated_covariance": None,
+        "records": item.records,
+        "has_slope": item.has_slope,
+        "rate_rad_s": item.rate_rad_s,
     }
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from fogreduce.errors import BadInput
 from fogreduce.physics.raw_quantity import RawUnit
 from fogreduce.stages import encoder, look
-from fogreduce.stages.drift import DRIFT_COLUMNS
+from fogreduce.stages.drift import DRIFT_COLUMNS, RULE_COLUMNS
 from fogreduce.stages.rates import RATES_COLUMNS
 from fogreduce.stages.tables import RATE_FIT_COLUMNS, gyro_fit_columns
 
@@ -23,11 +23,12 @@ COLUMNS: Mapping[str, Callable[[RawUnit], Sequence[str]]] = {
     "unstable": lambda _: ("gyro", "start_s", "stop_s", "noise_ratio", "version_id"),
     "drift": lambda _: DRIFT_COLUMNS,
     "rates": lambda _: RATES_COLUMNS,
+    "drift_by_records": lambda _: RULE_COLUMNS,
 }
 #: Tables that have a row of every run.
 _NEVER_EMPTY = ("quality", "gyro_fit")
 #: Tables that results of earlier versions do not have.
-_MAY_BE_ABSENT = ("rates", "warnings")
+_MAY_BE_ABSENT = ("rates", "warnings", "drift_by_records")
 #: Columns that hold a number in every row.
 _NUMBERS = ("duration_s", "nominal_deg")
 

@@ -42,7 +42,7 @@ from fogreduce.stages.files import (
 from fogreduce.stages.fit import Fit, as_plain
 from fogreduce.stages.ingest import Ingest
 from fogreduce.stages.look import look, write_warnings
-from fogreduce.stages.project import project
+from fogreduce.stages.project import Projection
 from fogreduce.stages.rates import RATES_COLUMNS, rate_rows
 from fogreduce.stages.remove_earth import remove_earth
 from fogreduce.stages.setup import Setup, TableAngle, microseconds, seconds
@@ -63,6 +63,7 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
     angle = TableAngle(setup, run_dir)
     ingest = Ingest(facts, setup.parameters["outliers"]["threshold_sigma"])
     fit = fit_of(setup, reader.n_records)
+    projection = projection_of(setup)
     with ExitStack() as stack:
         raw = stack.enter_context(_ingest_writer(setup, run_dir, reader))
         gyro, axis, table = (
@@ -78,7 +79,7 @@ def reduce_run(setup: Setup, run_dir: Path, progress: Progress = _silent) -> Non
             time_s = seconds(block.time_us)
             axis_rates = rates = None
             if setup.axes:
-                axis_rates = project(facts, gyro_rates)
+                axis_rates = projection.block(gyro_rates, block.gyro_flag, block.time_us)
                 rates = remove_earth(facts, angle, time_s, axis_rates)
             write_axis_rates(axis, block.start, block.time_us, block.flag, axis_rates)
             write_axis_rates(table, block.start, block.time_us, block.flag, rates)
@@ -117,12 +118,15 @@ def run_calibrate(setup: Setup, progress: Progress = _silent) -> None:
 
 def run_project(setup: Setup, progress: Progress = _silent) -> None:
     """Stage 3: rates about the gyros' axes to rates about x, y, z."""
+    projection = projection_of(setup)
     with (
         StageDataset(setup, "calibrate") as source,
         open_writer(setup, "project", source.n_records) as writer,
     ):
-        for start, part in source.blocks(("time", "gyro_rate", "flag")):
-            rates = project(setup.facts, part["gyro_rate"]) if setup.axes else None
+        for start, part in source.blocks(("time", "gyro_rate", "flag", "gyro_flag")):
+            rates = None
+            if setup.axes:
+                rates = projection.block(part["gyro_rate"], part["gyro_flag"], part["time"])
             write_axis_rates(writer, start, part["time"], part["flag"], rates)
             progress(start + part["time"].size)
 
@@ -161,8 +165,10 @@ def run_fit(setup: Setup, progress: Progress = _silent) -> None:
 def run_drift(setup: Setup, progress: Progress = _silent) -> None:
     """Stage 6: the paper's offset rule and the integration; over at once, whatever the record's length."""
     fits = read_report(setup, "fit")
+    complete_records = setup.complete_records
     try:
         rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
+        rules = drift_stage.rule_rows(fits, setup.axes, complete_records, setup.version_id)
         rates = rate_rows(setup.facts, setup.stated_errors, fits, setup.axes, setup.version_id)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         path = setup.out / "reports" / "fit.json"
@@ -170,6 +176,7 @@ def run_drift(setup: Setup, progress: Progress = _silent) -> None:
         raise BadInput.at(path, "", found=found, expected="the report as stage fit writes it") from None
     tables.write_table(setup.table("drift"), drift_stage.DRIFT_COLUMNS, rows)
     tables.write_table(setup.table("rates"), RATES_COLUMNS, rates)
+    tables.write_table(setup.table("drift_by_records"), drift_stage.RULE_COLUMNS, rules)
 
 
 def _open_capture(setup: Setup, run_dir: Path) -> Reader:
@@ -240,7 +247,13 @@ def fit_of(setup: Setup, n_records: int) -> Fit:
         setup.block_records,
         setup.stated_errors,
         setup.parameters["edge_guard_s"],
+        setup.complete_records,
     )
+
+
+def projection_of(setup: Setup) -> Projection:
+    """The projection of a run, no block of it seen yet."""
+    return Projection(setup.facts, setup.complete_records)
 
 
 def _finish_ingest(setup: Setup, run_dir: Path, ingested: Mapping[str, Any], found: list[Finding]) -> None:

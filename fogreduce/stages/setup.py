@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,9 +19,11 @@ from fogreduce.datasets.logs import TableLog
 from fogreduce.datasets.run_logs import table_log_of
 from fogreduce.datasets.store import Storage
 from fogreduce.errors import BadInput
+from fogreduce.estimate.every_record import Geometries
 from fogreduce.estimate.uncertainty import StatedErrors
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.frames import AXES
+from fogreduce.physics.redundancy import projection
 
 MANIFEST = "manifest.json"
 
@@ -70,7 +72,13 @@ class Setup:
     @cached_property
     def facts(self) -> RunFacts:
         """The run's metadata and calibration as arrays."""
-        return RunFacts.of(self.manifest["run"], self.manifest["calibration_record"])
+        facts = RunFacts.of(self.manifest["run"], self.manifest["calibration_record"])
+        if self.complete_records or facts.projection is None:
+            return facts
+        # Every record counts by the gyros' noise, the complete ones too.
+        return replace(
+            facts, projection=projection(facts.axes, Geometries(facts.axes, facts.white_noise).noise)
+        )
 
     @cached_property
     def stated_errors(self) -> StatedErrors:
@@ -82,6 +90,11 @@ class Setup:
         """Parameters of the reduction."""
         parameters: Mapping[str, Any] = self.manifest["parameters"]
         return parameters
+
+    @property
+    def complete_records(self) -> bool:
+        """Whether x, y, z take complete records only; results of earlier versions always did."""
+        return bool(self.parameters.get("complete_records", True))
 
     @property
     def version_id(self) -> str:

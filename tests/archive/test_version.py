@@ -103,6 +103,7 @@ def test_each_input_changes_it(bench, run, tmp_path, change: str) -> None:
         {"storage": {"chunk_records": 1000}},
         {"edge_guard_s": 0.25},
         {"alpha_source": "encoder"},
+        {"complete_records": False},
     ],
 )
 def test_each_parameter_changes_it(bench, run, tmp_path, parameters: dict) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fogreduce.calibrate.equations import DEPARTURE, MOTION, ONE, READING, SHAPES, Product
-from fogreduce.calibrate.parameters import parameters_of, projection
+from fogreduce.calibrate.parameters import parameters_of
 from fogreduce.calibrate.solution import (
     IGNORANCE_AXIS_RAD,
     IGNORANCE_BIAS_DEG_H,
@@ -16,6 +16,7 @@ from fogreduce.calibrate.solution import (
     Solution,
     solve,
 )
+from fogreduce.physics.redundancy import projection
 
 TURN_ON = 0.4
 

@@ -122,7 +122,7 @@ OPTIONS = [
         "parameters: unknown",
         _parameters('{"block_record": 5}'),
         "--parameters: block_record: found an unknown key (did you mean block_records?); expected one of "
-        "block_records, storage, outliers, unstable, edge_guard_s, alpha_source",
+        "block_records, storage, outliers, unstable, edge_guard_s, alpha_source, complete_records",
     ),
     Case(
         "parameters: out of range",

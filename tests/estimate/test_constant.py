@@ -38,6 +38,18 @@ def test_coarse_readings_are_left_alone() -> None:
     assert not found(np.zeros((1, 20_000), np.int32), 20_000).any()
 
 
+def test_a_gyro_that_never_changes_is_dead_where_the_others_scatter() -> None:
+    """To the last record, in blocks of which the last is short; not beside coarse or noiseless readings."""
+    live = np.random.default_rng(5).normal(0.0, 30.0, (2, 20_030))
+    flags = found(np.rint(np.vstack((live[0], np.full(20_030, 7.0), live[1]))), 5000)
+    assert flags[1].all()
+    assert not flags[[0, 2]].any()
+    coarse = np.vstack((np.full(20_030, 7.0), live[0] / 60))
+    assert not found(np.rint(coarse), 5000).any()
+    wave = np.vstack((np.full(20_030, 7.0), 1e6 * np.sin(np.arange(20_030) / 300)))
+    assert not found(np.rint(wave), 5000).any()
+
+
 def test_a_slow_wave_of_a_few_steps_rests_at_its_crests() -> None:
     """Three steps of sine, noise of a fifth of a step: at the crests a code repeats for long."""
     wave = 3.0 * np.sin(2 * np.pi * np.arange(20_000) / 20_000)

@@ -123,6 +123,7 @@ rule drift:
     output:
         run_file("tables/drift.csv"),
         run_file("tables/rates.csv"),
+        run_file("tables/drift_by_records.csv"),
     log:
         run_file("logs/drift.log"),
     params:
