@@ -35,6 +35,7 @@ include: "workflow/rules/summary.smk"
 include: "workflow/rules/archive.smk"
 include: "workflow/rules/batches.smk"
 include: "workflow/rules/diagnose.smk"
+include: "workflow/rules/derive.smk"
 include: "workflow/rules/withheld.smk"
 
 
@@ -44,6 +45,7 @@ rule all:
         summary_tables(),
         expand(run_file("outputs.json"), zip, **run_wildcards()),
         expand(f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json", campaign=DIAGNOSED),
+        expand(f"{RESULTS}/{{campaign}}/_calibration/derivation.json", campaign=DERIVED),
         [f"{RESULTS}/index.html"] if CONFIG.pages.enabled else [],
 
 

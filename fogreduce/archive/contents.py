@@ -7,6 +7,7 @@
 ``results/<campaign>/<run>/``                manifest, checksums, datasets, reports, tables, figures, versions
 ``results/<campaign>/index.html``            its page, where there is one
 ``results/<campaign>/_diagnosis/``           its diagnosis, where there is one
+``results/<campaign>/_calibration/``         a calibration derived from it, where there is one
 ``software/``                                the package's source, its rules, the lock of its environment
 ============================================ ===========================================================
 """
@@ -35,8 +36,8 @@ from fogreduce.metadata.faults import NAME_PATTERN
 
 #: Where the workflow keeps the captures that it made, in the folder of the results.
 MADE = "_captures"
-#: Folder of a campaign's diagnosis, beside its runs.
-DIAGNOSIS = "_diagnosis"
+#: Folders beside a campaign's runs: its diagnosis, a calibration derived from it.
+OF_CAMPAIGN = ("_diagnosis", "_calibration")
 #: The page of a campaign, beside its runs.
 PAGE = "index.html"
 
@@ -131,12 +132,12 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
     for parent, place in shared:
         for path in plain_files(parent):
             items.setdefault(f"{place}/{path.name}", Item(f"{place}/{path.name}", path))
-    # The diagnosis of the campaign, with its pages, where one was made.
-    diagnosis = results / campaign / DIAGNOSIS
-    for name in result_files(diagnosis) if diagnosis.is_dir() else ():
-        if not name.endswith(".log"):
-            place = f"results/{campaign}/{DIAGNOSIS}/{name}"
-            items[place] = Item(place, diagnosis / name)
+    for of_campaign in OF_CAMPAIGN:
+        folder = results / campaign / of_campaign
+        for name in result_files(folder) if folder.is_dir() else ():
+            if not name.endswith(".log"):
+                place = f"results/{campaign}/{of_campaign}/{name}"
+                items[place] = Item(place, folder / name)
     page = results / campaign / PAGE
     if page.is_file():
         items[f"results/{campaign}/{PAGE}"] = Item(f"results/{campaign}/{PAGE}", page)

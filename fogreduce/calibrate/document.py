@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.derive import Derivation
 from fogreduce.calibrate.solution import (
     IGNORANCE_AXIS_RAD,
@@ -99,20 +100,17 @@ def _gyro(derivation: Derivation, i: int) -> dict[str, Any]:
     raw = facts.raw_unit
     errors = found.standard_errors[i]
     stated = one.record.stated_uncertainty
-    # An axis of the present record need not be of length 1: what counts is its length times the scale factor.
-    length = float(np.linalg.norm(facts.axes[i]))
-    deg_h_per_raw = SECONDS_PER_HOUR / (facts.scale_factor[i] * length)
-    tipped = found.across[i] @ (found.axes[i] - facts.axes[i] / length)
-    scale_ppm = (found.scale_ratio[i] / length - 1) * 1e6
-    bias = found.bias_deg_h[i] - facts.bias[i] * deg_h_per_raw
-    stated_bias = stated.bias[i] * abs(deg_h_per_raw)
+    present = Coefficients.of(one.record)
+    tipped = found.across[i] @ (found.axes[i] - present.axes[i])
+    scale = float(facts.scale_factor[i] * found.scale_ratio[i])
+    scale_ppm = (scale / present.scale_factor[i] - 1) * 1e6
+    bias = found.bias_deg_h[i] - present.bias_deg_h[i]
+    stated_bias = present.bias_std_deg_h[i]
     mrad = stated.axis_rad[i] * 1e3, IGNORANCE_AXIS_RAD * 1e3
     return {
         "gyro": f"gyro{i + 1}",
-        raw.scale_factor_key: float(facts.scale_factor[i] * found.scale_ratio[i]),
-        raw.bias_key: float(
-            found.bias_deg_h[i] / SECONDS_PER_HOUR * facts.scale_factor[i] * found.scale_ratio[i]
-        ),
+        raw.scale_factor_key: scale,
+        raw.bias_key: float(found.bias_deg_h[i] / SECONDS_PER_HOUR * scale),
         "axis": found.axes[i].tolist(),
         "change_from_present": {
             "bias_deg_h": _change(bias, errors[0], stated_bias, IGNORANCE_BIAS_DEG_H),

@@ -87,7 +87,7 @@ def _pedigree(derivation: Derivation, campaign: Path) -> dict[str, Any]:
         ],
         "started_from": derivation.readings[0].record.record_id,
         "fogreduce": fogreduce.__version__,
-        "code_sha256": code_digest(),
+        "code_sha256": code_digest("fogreduce.calibrate.record"),
         "chi2": derivation.solution.chi2,
         "degrees_of_freedom": derivation.solution.freedom,
     }

@@ -23,6 +23,8 @@ COMMANDS = {
     "simulate": ("simulate", "predict the captures of a campaign"),
     "diagnose": ("diagnose", "say where, why and how far a campaign departs from its prediction"),
     "derive-calibration": ("derive_calibration", "derive a calibration record from a campaign"),
+    "calibrations": ("calibrations", "list, show, compare and validate calibration records"),
+    "impact": ("impact", "list every result that used a calibration record"),
     "manifest": ("manifest", "write the manifest of a run (a node of the workflow)"),
     "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
     "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),

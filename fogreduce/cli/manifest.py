@@ -6,6 +6,7 @@ import argparse
 import json
 
 from fogreduce.archive.outdated import refuse_another_run, remove_outdated
+from fogreduce.archive.uses import refuse_rewritten
 from fogreduce.cli.reduce import add_arguments as add_arguments
 from fogreduce.cli.reduce import manifest_of
 from fogreduce.datasets.atomic import write_text
@@ -18,6 +19,8 @@ def run(arguments: argparse.Namespace) -> int:
     manifest = manifest_of(arguments)
     text = json.dumps(manifest, indent=1, allow_nan=False)
     refuse_another_run(arguments.out, manifest)
+    used = manifest["calibration"]
+    refuse_rewritten(used["id"], used["sha256"], arguments.calibrations, arguments.out)
     remove_outdated(arguments.out, manifest["version_id"])
     write_text(arguments.out / "manifest.json", text + "\n")
     return 0

@@ -77,7 +77,8 @@ def _index(folder: Path, campaigns: Path | None) -> None:
 
     names = sorted(path.name for path in folder.iterdir() if path.is_dir() and path.name[0] not in "_.")
     gathered = [gather(folder / name, campaigns and campaigns / name) for name in names]
-    write_text(folder / "index.html", index_page(gathered))
+    unit_pages = {path.stem for path in (folder / "_units").glob("*.html")}
+    write_text(folder / "index.html", index_page(gathered, unit_pages))
 
 
 _WRITERS = {"run": _run, "campaign": _campaign, "index": _index}

@@ -84,6 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     manifest = beside(lambda: manifest_of(arguments))
     keep_freed_memory()
     from fogreduce.archive.outdated import refuse_another_run, remove_outdated
+    from fogreduce.archive.uses import refuse_rewritten
     from fogreduce.cli.flags import say_red_flags
     from fogreduce.cli.progress import progress
     from fogreduce.cli.warnings import print_warnings, summary_line
@@ -93,6 +94,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     setup = Setup(manifest(), arguments.out)
     refuse_another_run(arguments.out, setup.manifest)
+    used = setup.manifest["calibration"]
+    refuse_rewritten(used["id"], used["sha256"], arguments.calibrations, arguments.out, beside=True)
     with _nothing_left(arguments.out), progress(setup.facts.n_expected, "records") as told:
         reduce_run(setup, arguments.run, told)
     remove_outdated(arguments.out, setup.version_id)

@@ -7,6 +7,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from fogreduce.metadata.base import CALIBRATION_PATTERN, FileName, Model
+from fogreduce.metadata.certificate import Certificate
 from fogreduce.metadata.faults import unexpected
 
 
@@ -57,4 +58,12 @@ class Campaign(Model):
     )
     diagnose: bool = Field(
         default=False, description="whether the workflow diagnoses the gap between its runs and the simulator"
+    )
+    certificate: Certificate | None = Field(
+        default=None, description="what the certificate of a derived calibration record says beside numbers"
+    )
+    derive: bool = Field(
+        default=False,
+        description="whether the workflow derives a candidate calibration record, which no result uses until "
+        "a person names it",
     )

@@ -16,6 +16,8 @@ from fogreduce.pages.run_page import FLAGS, started
 
 #: Page of a campaign's diagnosis, beside its runs.
 _DIAGNOSIS = "_diagnosis/index.html"
+#: Page of the calibration derived from it.
+_DERIVATION = "_calibration/index.html"
 #: So many failed runs stand at the top; all stand in the table of runs.
 _MOST_FAILED = 10
 #: A choice among more ways of turning the table than these is no help.
@@ -32,7 +34,7 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
     gathered : Gathered
         Its runs.
     folder : Path
-        Its results: whether there is a diagnosis to be linked.
+        Its results: whether there is a diagnosis or a derived calibration to be linked.
     """
     runs = gathered.runs
     columns = _columns(runs)
@@ -53,6 +55,7 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
         "most_failed": _MOST_FAILED,
         "left_out": gathered.left_out,
         "diagnosis": _DIAGNOSIS if (folder / _DIAGNOSIS).is_file() else None,
+        "derivation": _DERIVATION if (folder / _DERIVATION).is_file() else None,
         "charts": _charts(runs),
         "columns": columns,
         "rows": rows,

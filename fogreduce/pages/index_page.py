@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,8 +38,15 @@ class Dated:
         return f"{self.campaign}/{self.entry.run_id}/index.html" if self.entry.page else None
 
 
-def index_page(campaigns: Sequence[Gathered]) -> str:
-    """The page over campaigns, each with its runs."""
+def index_page(campaigns: Sequence[Gathered], unit_pages: Collection[str] = ()) -> str:
+    """The page over campaigns, each with its runs.
+
+    Parameters
+    ----------
+    campaigns : sequence of Gathered
+    unit_pages : collection of str
+        Units of which there is a page of their calibration records, ``_units/<unit>.html``.
+    """
     runs = [
         Dated(gathered.name, entry, entry.overview)
         for gathered in campaigns
@@ -54,6 +61,7 @@ def index_page(campaigns: Sequence[Gathered]) -> str:
         ),
         "campaigns": [_campaign(gathered) for gathered in campaigns],
         "units": [_unit(unit, [run for run in runs if run.overview["unit"] == unit]) for unit in units],
+        "unit_pages": unit_pages,
         "fewest": FEWEST_RUNS,
     }
     return page("index.html", "All campaigns", context)

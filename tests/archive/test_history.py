@@ -27,8 +27,12 @@ def twice(archived, tmp_path_factory):
     calibrations = root / "calibrations"
     shutil.copytree(archived.calibrations, calibrations)
     record = (calibrations / "TETRA-01" / "2012a.yaml").read_text()
-    (calibrations / "TETRA-01" / "2012a.yaml").write_text(record.replace("0.075", "0.0751"))
-    run, out = archived.campaigns / CAMPAIGN / "runs" / "r1", results / CAMPAIGN / "r1"
+    later = record.replace("0.075", "0.0751").replace("2012a", "2012b")
+    (calibrations / "TETRA-01" / "2012b.yaml").write_text(later)
+    run, out = root / "campaigns" / CAMPAIGN / "runs" / "r1", results / CAMPAIGN / "r1"
+    shutil.copytree(archived.campaigns, root / "campaigns")
+    text = (run / "run.yaml").read_text()
+    (run / "run.yaml").write_text(text.replace("TETRA-01@2012a", "TETRA-01@2012b"))
     before = {path.name: path.read_bytes() for path in (out / "tables").iterdir()}
     places = ["--calibrations", calibrations, "--out", out]
     succeed("reduce", run, *places, "--parameters", '{"edge_guard_s": 1.5}')
@@ -52,7 +56,7 @@ def test_what_changed_and_why(twice):
     (change,) = found["changes"]
     causes = "\n".join(change["causes"])
     assert "parameters: edge_guard_s: 0.5 -> 1.5" in causes
-    assert "calibration: TETRA-01@2012a, other bytes" in causes
+    assert "calibration: TETRA-01@2012a -> TETRA-01@2012b" in causes
     assert "scale_factor_V_per_deg_s" in causes
     assert "code" not in causes
     cell = next(item for item in change["cells"] if item["cell"] == "drift.csv:x@1:drift_deg_h")
@@ -111,7 +115,7 @@ def test_a_kept_version_that_was_changed_is_found(twice, tmp_path):
 def test_the_archive_holds_all_versions(twice, archived):
     root, _, before = twice
     shutil.rmtree(root / "results" / CAMPAIGN / "r2")
-    places = ["--campaigns", archived.campaigns, "--calibrations", root / "calibrations"]
+    places = ["--campaigns", root / "campaigns", "--calibrations", root / "calibrations"]
     places += ["--source", archived.source]
     succeed("archive", root / "results", *places, "--out", root / "bags")
     bag = root / "bags" / CAMPAIGN

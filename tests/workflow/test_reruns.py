@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -60,9 +61,9 @@ class Lab:
             path.parent.mkdir(parents=True)
             path.write_text(record.replace("TETRA-01", unit))
         words = ["simulate", "plan", "--calibrations", "calibrations", "--out", "campaigns/lab"]
-        self._call("fogreduce", *words)
+        self.call("fogreduce", *words)
 
-    def _call(self, command: str, *words: object) -> str:
+    def call(self, command: str, *words: object, status: int = 0) -> str:
         environment = {**os.environ, "PYTHONPATH": str(self.source), "OPENBLAS_NUM_THREADS": "1"}
         done = subprocess.run(
             [BIN / command, *map(str, words)],
@@ -72,15 +73,19 @@ class Lab:
             text=True,
             check=False,
         )
-        assert done.returncode == 0, done.stdout + done.stderr
+        assert done.returncode == status, done.stdout + done.stderr
         return done.stdout + done.stderr
 
-    def snakemake(self, *words: str, **config: str) -> str:
+    def snakemake(self, *words: str, status: int = 0, **config: str) -> str:
         told = ["--cores", "2", "--snakefile", self.source / "Snakefile", *words]
         told += ["--workflow-profile", self.source / "profiles" / "default"]
         config = {"pages": "{enabled: false}", **config}
-        return self._call(
-            "snakemake", *told, "--config", *(f"{key}={value}" for key, value in config.items())
+        return self.call(
+            "snakemake",
+            *told,
+            "--config",
+            *(f"{key}={value}" for key, value in config.items()),
+            status=status,
         )
 
     def planned(self, **config: str) -> Nodes:
@@ -224,3 +229,64 @@ def test_an_added_run_is_the_only_one_that_runs(lab: Lab) -> None:
         assert lab.planned() == of(RUN, "c") | SUMMARY
     finally:
         shutil.rmtree(runs / "c")
+
+
+@pytest.mark.slow
+def test_a_new_record_reruns_what_used_the_old_one_and_no_others(lab: Lab) -> None:
+    """`impact` names the runs; a new version that their run.yaml names runs these again."""
+    record = lab.place / "calibrations/TETRA-02/2012a.yaml"
+    used = json.loads(lab.call("fogreduce", "impact", "TETRA-02@2012a", "--format", "json"))["runs"]
+    assert used == ["lab/b"]
+    later = record.with_name("2013a.yaml")
+    later.write_text(record.read_text().replace("version: 2012a", "version: 2013a"))
+    try:
+        assert lab.planned() == set(), "nobody names it"
+        with changed(lab.place / "campaigns/lab/runs/b/run.yaml", lambda t: t.replace("2@2012a", "2@2013a")):
+            assert lab.planned() == of(RUN, *(name.partition("/")[2] for name in used)) | SUMMARY
+    finally:
+        later.unlink()
+
+
+@pytest.mark.slow
+def test_a_record_that_was_used_is_not_rewritten(lab: Lab) -> None:
+    """Its runs are refused, those that were never reduced too; the others are reduced; results stay."""
+    results = lab.place / "results/lab"
+    runs = lab.place / "campaigns/lab/runs"
+    shutil.copytree(runs / "b", runs / "c")
+    path = runs / "c" / "run.yaml"
+    path.write_text(path.read_text().replace("run_id: b", "run_id: c"))
+    before = {name: name.read_bytes() for name in sorted((results / "b").rglob("*.csv"))}
+    try:
+        with changed(lab.place / "calibrations/TETRA-02/2012a.yaml", lambda text: text + "# a word\n"):
+            said = lab.snakemake("--keep-going", status=1)
+            assert "TETRA-02@2012a: not what lab/b used; a record that was used is never rewritten" in said
+            for run in ("b", "c"):
+                log = (results / run / "logs" / "manifest.log").read_text()
+                assert "another content than lab/b was reduced with" in log
+            assert not (results / "c" / "tables").exists()
+            assert before == {name: name.read_bytes() for name in sorted((results / "b").rglob("*.csv"))}
+    finally:
+        shutil.rmtree(runs / "c")
+        shutil.rmtree(results / "c")
+    lab.snakemake()
+    assert lab.planned() == set()
+    assert not (lab.place / "results/_rewritten.json").exists()
+
+
+@pytest.mark.slow
+def test_a_derived_record_is_used_by_nobody_until_it_is_named(lab: Lab) -> None:
+    about = lab.place / "campaigns/lab/campaign.yaml"
+    runs = lab.place / "campaigns/lab/runs"
+    shutil.move(runs / "b", lab.place / "b")  # runs of one record
+    about.write_text("derive: true\n")
+    try:
+        assert ("derive_calibration", "") in lab.planned()
+        lab.snakemake()
+        found = json.loads((lab.place / "results/lab/_calibration/derivation.json").read_text())
+        assert found["candidate"] is None, "one sense of one axis"
+        assert lab.planned() == set()
+        assert "TETRA-01@2012a" in (lab.place / "results/lab/a/manifest.json").read_text()
+    finally:
+        about.unlink()
+        shutil.move(lab.place / "b", runs / "b")
+    lab.snakemake()

@@ -28,7 +28,12 @@ rule bag:
         ],
         lambda wildcards: (
             [f"{RESULTS}/{wildcards.campaign}/_diagnosis/diagnosis.json"]
-            if wildcards.campaign in globals().get("DIAGNOSED", ())
+            if wildcards.campaign in DIAGNOSED
+            else []
+        ),
+        lambda wildcards: (
+            [f"{RESULTS}/{wildcards.campaign}/_calibration/derivation.json"]
+            if wildcards.campaign in DERIVED
             else []
         ),
         f"{RESULTS}/{{campaign}}/index.html" if CONFIG.pages.enabled else [],

@@ -16,7 +16,9 @@ from snakemake.exceptions import WorkflowError
 
 from fogreduce.archive.clock import faults_of_inputs, make_old
 from fogreduce.archive.code import code_digest
+from fogreduce.archive.digest import file_digest
 from fogreduce.archive.edited import edited, notes_of
+from fogreduce.archive.uses import REWRITTEN, rewritten, some_of, uses_in
 from fogreduce.datasets.atomic import write_text
 from fogreduce.datasets.readers.installed import installed_readers, software_of
 from fogreduce.errors import BadInput
@@ -199,6 +201,34 @@ if workflow.is_main_process:
     check_times()
 
 
+def record_id(path):
+    """The id of the record in a file, as its path says."""
+    return "@".join(Path(path).with_suffix("").parts[-2:])
+
+
+def find_rewritten():
+    """Records whose file is no more what results were reduced with: their runs are not reduced."""
+    if not workflow.is_main_process:
+        return {}
+    folders = [Path(RESULTS, *run) for run in RUNS if Path(RESULTS, *run).is_dir()]
+    digests = {record_id(path): file_digest(Path(path)) for path in CALIBRATIONS}
+    found = rewritten(uses_in(folders, Path(RESULTS)), digests)
+    for record, names in found.items():
+        print(
+            f"{record}: not what {some_of(names)} used; a record that was used is never rewritten",
+            file=sys.stderr,
+        )
+    note = Path(RESULTS) / REWRITTEN
+    if found:
+        write_text(note, json.dumps(found, indent=1) + "\n")
+    else:
+        note.unlink(missing_ok=True)
+    return found
+
+
+REWRITTEN_RECORDS = find_rewritten()
+
+
 def find_edited():
     """Outputs that were edited by hand, by run and rule, those of earlier calls among them."""
     path = Path(RESULTS) / "_edited.json"
@@ -235,10 +265,40 @@ def edited_outputs(by):
     )
 
 
+def uses_rewritten(campaign):
+    """Whether a campaign's runs name a record that was rewritten: nothing is then made of them."""
+    named = {
+        path
+        for run in FOUND[campaign][0]
+        for path in calibration_of(campaign, run.name)
+    }
+    return any(record_id(path) in REWRITTEN_RECORDS for path in named)
+
+
 #: Campaigns that ask for their diagnosis.
 DIAGNOSED = [
-    name for name, campaign in ABOUT.items() if campaign.diagnose and FOUND[name][0]
+    name
+    for name, campaign in ABOUT.items()
+    if campaign.diagnose and FOUND[name][0] and not uses_rewritten(name)
 ]
+
+
+#: Campaigns of which a calibration is to be derived: those of one record alone, as the command asks.
+DERIVED = [
+    name
+    for name, campaign in ABOUT.items()
+    if campaign.derive and FOUND[name][0] and not uses_rewritten(name)
+]
+
+#: Units of the campaigns' records.
+UNITS = sorted(
+    {
+        Path(path).parts[-2]
+        for name in CAMPAIGNS
+        for run in FOUND[name][0]
+        for path in calibration_of(name, run.name)
+    }
+)
 
 
 def diagnosed_inputs(wildcards):

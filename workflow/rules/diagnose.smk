@@ -12,7 +12,9 @@ rule diagnose:
     log:
         f"{RESULTS}/{{campaign}}/_diagnosis/diagnose.log",
     params:
-        code=code_digest("fogreduce.diagnosis.diagnose", "fogreduce.diagnosis.report.write"),
+        code=code_digest(
+            "fogreduce.diagnosis.diagnose", "fogreduce.diagnosis.report.write"
+        ),
         lock=LOCK,
         folder=diagnosed_folder,
         out=lambda wildcards: f"{RESULTS}/{wildcards.campaign}/_diagnosis",

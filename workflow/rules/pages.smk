@@ -39,6 +39,11 @@ rule campaign_page:
             if wildcards.campaign in DIAGNOSED
             else []
         ),
+        derivation=lambda wildcards: (
+            [f"{RESULTS}/{wildcards.campaign}/_calibration/index.html"]
+            if wildcards.campaign in DERIVED
+            else []
+        ),
     output:
         f"{RESULTS}/{{campaign}}/index.html",
     log:
@@ -57,6 +62,7 @@ rule campaign_page:
 rule index_page:
     input:
         campaign_pages(),
+        expand(f"{RESULTS}/_units/{{unit}}.html", unit=UNITS),
     output:
         f"{RESULTS}/index.html",
     log:
