@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,8 @@ import numpy as np
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.how_far.by_cause import Share, shares
 from fogreduce.diagnosis.how_far.closure import Closure, Key, measured
+from fogreduce.diagnosis.how_far.remainder import Remainder, borne_out, remaining
 from fogreduce.diagnosis.inference.bundles import Bundles
-from fogreduce.diagnosis.inference.evidence import Field
-from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.outcome import Named, Verdict, judged
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
@@ -27,11 +26,11 @@ from fogreduce.diagnosis.where import places as where
 from fogreduce.diagnosis.where.places import Place
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
-from fogreduce.physics.special import log_chi2_tail
 
 SCHEMA = "fogreduce/diagnosis/1"
 #: The steps of a diagnosis, in order.
 STEPS = ("reading", "spectra", "search", "closure", "next run")
+_UNKNOWN = ("partly_explained", "unexplained")  # verdicts with something unknown in them
 _OTHER = {"channel_swap": "with", "crosstalk": "source"}  # the parameter that names another gyro
 
 
@@ -105,11 +104,11 @@ def diagnose(
     if verdict.word != "no_gap" and not found:
         found = [_faint(verdict, data)]
     closure = None
+    left = remaining(search, verdict.state)
     if verdict.word != "no_gap":
         told("closure")
         closure = measured(search, verdict.state.causes, found)
-        if verdict.word == "explained" and closure.fraction + 1.96 * closure.std < priors.CLOSED:
-            verdict = replace(verdict, word="partly_explained")
+        verdict = borne_out(verdict, closure, left)
     parts = {} if closure is None else shares(data.inputs, verdict.state.causes, closure)
     told("next run")
     document = {
@@ -123,8 +122,9 @@ def diagnose(
         "where": where.document(found) if verdict.word != "no_gap" else [],
         "causes": [_cause(verdict, one, parts) for one in verdict.named],
         "unknown_probability": round(verdict.unknown_probability, 6),
+        "resembles": [one.document() for one in left.kin] if verdict.word in _UNKNOWN else [],
         "closure": None if closure is None else _closure(closure),
-        "remainder": _remainder(search, verdict),
+        "remainder": _remainder(left),
         "constant_gyros": [one.document() for one in data.constant],
         "lost_records": {run.run_id: [run.lost, run.expected] for run in data.full if run.lost},
         "stamps_jump_s": {run.run_id: run.stamps.jump_s for run in data.full if run.stamps.jump_s},
@@ -206,33 +206,13 @@ def _closure(closure: Closure) -> dict[str, Any]:
     return out
 
 
-def _remainder(search: Search, verdict: Verdict) -> dict[str, Any]:
+def _remainder(left: Remainder) -> dict[str, Any]:
     """What is left beside the causes."""
-    options = [o for o in verdict.left if not o.known]
-    significant = verdict.word in ("partly_explained", "unexplained")
-    log_ps = [0.0]
-    for option in options:
-        k = (
-            option.fit.candidate.columns.shape[2]
-            if option.fit is not None
-            else getattr(option.source, "degrees", 1)
-        )
-        log_ps.append(min(log_chi2_tail(max(option.q, 1e-9), int(k)) + np.log(300.0), 0.0))
-    state, found = verdict.state, []
-    if significant:
-        findings = [o.finding for o in options if o.finding is not None and not o.process]
-
-        def processes(field: Field) -> list[Finding]:
-            return [f for f in state.ground.processes.findings(field, search.allowed) if not f.known]
-
-        doubt = search.doubt_at(state, ["table"])
-        found = where.places(
-            state.field, state.ground.families, findings, processes, search.data.run_ids, doubt
-        )
     return {
-        "significant": significant,
-        "p_value": float(np.exp(min(log_ps))),
-        "where": where.document(found) if found else [],
+        "significant": left.significant,
+        "p_value": left.p_value,
+        "departure_of_shape": left.significant and not left.further,
+        "where": where.document(left.shown) if left.shown else [],
     }
 
 

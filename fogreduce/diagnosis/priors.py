@@ -47,3 +47,12 @@ GROSS_GAP = 1000.0
 
 #: The closure that the 95 % interval must reach for a gap to be called explained (the diagnosis contract).
 CLOSED = 0.97
+
+#: What is left stands out where noise alone would do so in less than one of so many: a test's usual level.
+REMAINDER = 0.01
+
+#: How far an effect's shape may be from the catalogue's, relative to its size: what its formula idealises.
+DEPARTURE = 0.08
+
+#: How long a bias may take to step, beside not at all [s]: a supply or a light source that settles.
+RISE_S = (0.25, 0.5, 1.0, 2.0, 4.0)

@@ -118,7 +118,7 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     """Closure of the causes, over the places at which the gap was found."""
     data = search.data
     families = [p.family for p in found if p.family is not None]
-    slow = [c for c in causes if c.slow]
+    slow = [_at_its_instant(c) for c in causes if c.slow]
     before = after = expected = 0.0
     placebo: list[float] = []
     parts: list[HeldOut] = []
@@ -166,6 +166,8 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
                 placebo.append((one - three) / max(one - number, 1e-9))
     fast = [c for c in causes if c.finding is not None]
     held_out = "every other three-hundredth of each run, both ways" if families or slow else ""
+    if any("time_s" in c.theta for c in causes):
+        held_out += "; the instant of a step, whose block one half alone has, was fitted on all"
     if instant:
         held_out = "nothing: what a start late by less than a block changes lies in one block alone"
     for cause in fast:
@@ -195,6 +197,15 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         tuple(parts),
         alone,
     )
+
+
+def _at_its_instant(cause: Cause) -> Cause:
+    """A cause whose instant is no free number: the block in which a bias steps lies in one fold alone."""
+    if "time_s" not in cause.theta:
+        return cause
+    theta = {name: value for name, value in cause.theta.items() if name != "time_s"}
+    settled = {**cause.settled, "time_s": cause.theta["time_s"]}
+    return replace(cause, theta=theta, settled=settled, spread=None)
 
 
 def _within_a_block(data: Data, cause: Cause) -> bool:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.causes import UNSEEN, Cause
 from fogreduce.diagnosis.inference.departures import departures
+from fogreduce.diagnosis.inference.instants import timed
 from fogreduce.diagnosis.inference.model import DELAYS, Model, modelled, modelled_change, sample_step
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener
 from fogreduce.diagnosis.observe.capture import RunInput
@@ -17,7 +18,6 @@ from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
-_RISE_S = 2.0  # no step is quite sudden: doubt of its instant [s]
 #: Noise softens the edge at which a voltage is clipped: doubt of it, relative.
 _EDGE = 0.01
 #: A time constant is looked at over so wide a range about the best one.
@@ -47,7 +47,15 @@ def refined(
         causes = _sought(inputs, causes, whiten, nominal, metric, y)
         causes = _descended(inputs, causes, whiten, nominal, metric, y, _MOST_MOVES, True).causes
     model = _descended(inputs, causes, whiten, nominal, metric, y, rounds, False)
+    instants = {}
+    if any("time_s" in c.theta for c in model.causes):
+        at = _at_instants(inputs, model, whiten, nominal, metric, y)
+        instants = {c.key: c.std["time_s"] for c in at if "time_s" in c.std}
+        model = _better(model, _descended(inputs, at, whiten, nominal, metric, y, 1, False), metric, y)
     causes = _with_spread(model.causes, _spread(inputs, model, whiten, metric))
+    causes = tuple(
+        replace(c, std={**c.std, "time_s": instants[c.key]}) if c.key in instants else c for c in causes
+    )
     held = [
         _widened(inputs, causes, k, whiten, nominal, metric, y)
         if "tau_s" in c.theta
@@ -55,6 +63,29 @@ def refined(
         for k, c in enumerate(causes)
     ]
     return replace(model, causes=tuple(held))
+
+
+def _at_instants(
+    inputs: Sequence[RunInput], model: Model, whiten: Whitener, nominal: Array, metric: Metric, y: Array
+) -> list[Cause]:
+    """The causes, each that stepped at its most probable instant beside the others."""
+    out, column = list(model.causes), 0
+    for k, cause in enumerate(model.causes):
+        if not cause.slow:
+            continue
+        own = np.arange(column, column + len(cause.theta))
+        column += len(cause.theta)
+        if "time_s" in cause.theta:
+            others = np.delete(model.slopes, own, axis=1)
+            rest = [*out[:k], *out[k + 1 :]]
+            left = y - modelled_change(inputs, rest, whiten, nominal)
+            out[k] = timed(inputs, cause, whiten, metric.beside(others), left)
+    return out
+
+
+def _better(one: Model, other: Model, metric: Metric, y: Array) -> Model:
+    """The model that leaves less."""
+    return other if _chi2(metric, y - other.change) < _chi2(metric, y - one.change) else one
 
 
 def _sought(
@@ -244,8 +275,6 @@ def _with_spread(causes: Sequence[Cause], spread: Array) -> tuple[Cause, ...]:
         if cause.slow:
             own = spread[k : k + len(cause.theta), k : k + len(cause.theta)]
             std = dict(zip(cause.theta, np.sqrt(np.maximum(np.diag(own), 0.0)).tolist(), strict=True))
-            if "time_s" in std:
-                std["time_s"] = float(np.hypot(std["time_s"], _RISE_S))
             if "volts" in std:
                 std["volts"] = float(np.hypot(std["volts"], _EDGE * cause.theta["volts"]))
             out.append(replace(cause, std=std, spread=own))

@@ -51,13 +51,14 @@ class Scene:
         return blocks.means(self.decoded(blocks.time_s, here))
 
     def _asked(self, actions: Sequence[Action]) -> Blocks:
-        """The blocks, those asked at every sample into which effects shift an edge of the profile."""
+        """The blocks, those asked at every sample into which effects shift an edge of the profile or step."""
         start = sum(a.parameters["s"] for a in actions if a.effect.name == "start_offset")
         ages = {a.parameters["ms"] * 1e-3 for a in actions if a.effect.name == "latency"}
-        if not start and not ages:
+        steps = [a.parameters["time_s"] for a in actions if "time_s" in a.parameters]
+        if not start and not ages and not steps:
             return self.blocks
         edges = self.facts.profile.edges_s
-        late = np.concatenate([edges + start + age for age in (0.0, *ages)])
+        late = np.concatenate([steps, *(edges + start + age for age in (0.0, *ages) if start or ages)])
         further = self.blocks.holding(late) - self.blocks.holding(edges)
         if further not in self._shifted:
             self._shifted[further] = Blocks.of(self.facts, further) if further else self.blocks

@@ -4,7 +4,7 @@ statistics.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from math import floor, log10
 from typing import Any
@@ -249,14 +249,35 @@ def _remains(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
     text = "<h2>What remains</h2>"
     if not left["significant"]:
         return text + "<p>Nothing beyond noise and stated uncertainties.</p>"
-    text += "<p>Something that the causes do not explain. It shows here:</p>"
+    if left["departure_of_shape"]:
+        text += (
+            "<p>Departures from the shapes that the catalogue gives the causes, no more than its formulae "
+            "idealise. They show here:</p>"
+        )
+    else:
+        text += "<p>Something that the causes do not explain. It shows here:</p>"
     rows = [
         [escape(place(p)), _STAGES[p["stage"]], f"{p['sigma']:.1f}"] for p in (left["where"] or d["where"])
     ]
     text += table(("where", "how", "sigma"), rows)
     if "left-gyros.svg" in drawn:
         text += "<p>The blue lines of above, each at its own scale:</p>" + drawn["left-gyros.svg"]
-    return text
+    return text + _kin(d["resembles"])
+
+
+def _kin(resembles: Sequence[Mapping[str, Any]]) -> str:
+    """What the unknown comes nearest to, in words."""
+    if not resembles:
+        return ""
+    near = [
+        f"{escape(one['effect'])} of {escape(' and '.join(one['channels']))}, which would close "
+        f"{100 * one['closes']:.0f} +- {100 * one['std']:.0f} % of it"
+        for one in resembles
+    ]
+    text = f"<p>In its shape it comes nearest to {near[0]}"
+    if near[1:]:
+        text += "; then to " + ", to ".join(near[1:])
+    return text + ". These are no causes: where to begin looking.</p>"
 
 
 def _next_run(n: Mapping[str, Any]) -> str:

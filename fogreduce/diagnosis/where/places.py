@@ -20,6 +20,7 @@ from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.significance import TRIALS, significance
 
 Array = NDArray[np.float64]
+Doubt = Callable[[Sequence[str]], float]
 
 LEAST_SIGMA = 4.0
 _MOST = 6
@@ -52,7 +53,8 @@ def places(
     findings: Iterable[Finding],
     processes: Callable[[Field], Iterable[Finding]],
     run_ids: Sequence[str],
-    doubt: float = 0.0,
+    doubt: Doubt = lambda channels: 0.0,
+    least: float = LEAST_SIGMA,
 ) -> list[Place]:
     """Significant places, the most significant first; each beside what was found elsewhere and is stronger.
 
@@ -65,11 +67,13 @@ def places(
     processes : callable
         Findings of random processes in a field.
     run_ids : all runs
-    doubt : float
-        Signal-to-noise ratio that departures of known causes from their shape may have.
+    doubt : callable
+        Signal-to-noise ratio that departures of known causes from their shape may have at channels.
+    least : float
+        Significance from which on a place counts.
     """
-    found = _of_families(field, families, run_ids, doubt)
-    drifting = _best(_place(f, run_ids, doubt) for f in processes(field))
+    found = _of_families(field, families, run_ids, doubt, least)
+    drifting = _best((_place(f, run_ids, doubt(f.channels)) for f in processes(field)), least)
     kept: list[Place] = []
     # stated uncertainties that all gyros share hand a part of a great gap to gyros where nothing is
     for place in sorted([*found, *drifting], key=lambda p: -p.sigma):
@@ -78,15 +82,32 @@ def places(
             columns = np.column_stack([_freed(p, families, len(field.y), len(run_ids)) for p in others])
             beside = Field.of(field.metric.beside(columns), field.y)
             if place.family is not None:
-                q = max(np.sqrt(beside.fit(place.family).q) - doubt, 0.0) ** 2
+                q = max(np.sqrt(beside.fit(place.family).q) - doubt(place.channels), 0.0) ** 2
                 if q < place.q:
                     place = replace(place, q=q, sigma=significance(q, place.degrees, place.trials))
             else:
-                again = _best(_place(f, run_ids, doubt) for f in processes(beside))
+                again = _best((_place(f, run_ids, doubt(f.channels)) for f in processes(beside)), least)
                 place = next((p for p in again if p.channels == place.channels), replace(place, sigma=0.0))
-        if place.sigma >= LEAST_SIGMA:
+        if place.sigma >= least:
             kept.append(place)
-    return sorted([*_without_weaker(kept), *_of_full_rate(findings, run_ids)], key=lambda p: -p.sigma)
+    return sorted([*_without_weaker(kept), *_of_full_rate(findings, run_ids, least)], key=lambda p: -p.sigma)
+
+
+def farthest(
+    field: Field,
+    families: Bundles,
+    findings: Iterable[Finding],
+    processes: Callable[[Field], Iterable[Finding]],
+) -> float:
+    """Significance of the statistic that is farthest out, look-elsewhere counted; 0 where that is nothing."""
+    whole = 1.001 * field.chi2 + 1.0
+    sigmas = [
+        significance(fit.q, fit.candidate.columns.shape[2], TRIALS * fit.candidate.columns.shape[1])
+        for fit in families.fits(field)
+        if 0.0 < fit.q <= whole
+    ]
+    sigmas += [_place(f, ()).sigma for f in [*findings, *processes(field)]]
+    return max(sigmas, default=0.0)
 
 
 def _place(finding: Finding, run_ids: Sequence[str], doubt: float = 0.0) -> Place:
@@ -99,23 +120,23 @@ def _place(finding: Finding, run_ids: Sequence[str], doubt: float = 0.0) -> Plac
     return Place(finding.stage, finding.channels, runs, finding.feature, sigma, q, finding.degrees)
 
 
-def _best(found: Iterable[Place]) -> list[Place]:
+def _best(found: Iterable[Place], least: float) -> list[Place]:
     """The most significant place at each gyro, or set of them, where one is significant."""
     best: dict[tuple[str, ...], Place] = {}
     for place in found:
-        if place.sigma >= LEAST_SIGMA and place.sigma > getattr(best.get(place.channels), "sigma", 0.0):
+        if place.sigma >= least and place.sigma > getattr(best.get(place.channels), "sigma", 0.0):
             best[place.channels] = place
     return list(best.values())
 
 
-def _of_full_rate(findings: Iterable[Finding], run_ids: Sequence[str]) -> list[Place]:
+def _of_full_rate(findings: Iterable[Finding], run_ids: Sequence[str], least: float) -> list[Place]:
     """Places in the full-rate stream, less what a stronger one of the same statistic has said already."""
     domains: dict[str, list[Finding]] = {}
     for finding in findings:
         domains.setdefault(finding.domain, []).append(finding)
     kept = []
     for domain, mine in domains.items():
-        here = sorted(_best(_place(f, run_ids) for f in mine), key=lambda p: -p.sigma)
+        here = sorted(_best((_place(f, run_ids) for f in mine), least), key=lambda p: -p.sigma)
         if domain.split()[0] == "lines" and here:
             # a motion of all gyros, or lines of some
             moved = max(here, key=lambda p: p.q - 4.0 * (p.stage == "table")).stage == "table"
@@ -128,7 +149,9 @@ def _of_full_rate(findings: Iterable[Finding], run_ids: Sequence[str]) -> list[P
     return kept
 
 
-def _of_families(field: Field, families: Bundles, run_ids: Sequence[str], doubt: float) -> list[Place]:
+def _of_families(
+    field: Field, families: Bundles, run_ids: Sequence[str], doubt: Doubt, least: float
+) -> list[Place]:
     """Places of families, the most significant first, each beside those before it."""
     found: list[Place] = []
     here = field
@@ -140,14 +163,14 @@ def _of_families(field: Field, families: Bundles, run_ids: Sequence[str], doubt:
             if fit.q > whole:
                 continue  # more than is there: columns nearly alike, whose sizes rounding decides
             k, trials = family.columns.shape[2], TRIALS * family.columns.shape[1]
-            q = max(np.sqrt(max(fit.q, 0.0)) - doubt, 0.0) ** 2
+            q = max(np.sqrt(max(fit.q, 0.0)) - doubt(family.channels), 0.0) ** 2
             sigma = significance(q, k, trials)
             # of places that say the same, as a mean and a rate that stays do, the first
             if top is None or sigma > top.sigma * _MORE:
                 runs = tuple(run_ids) if family.runs == EVERY else family.runs
                 at = _at(family, fit.best)
                 top = Place(family.stage, family.channels, runs, family.feature, sigma, q, k, at, trials)
-        if top is None or top.sigma < LEAST_SIGMA:
+        if top is None or top.sigma < least:
             break
         found.append(top)
         here = Field.of(here.metric.beside(_freed(top, families, len(here.y), len(run_ids))), here.y)

@@ -1,0 +1,127 @@
+"""What is left beside the causes, tested: every statistic against what noise makes of it, look-elsewhere
+counted.
+
+An effect of the catalogue is an idealisation. What a departure from its shape could leave, a share of its own
+size at any strength, stands out from noise all the same and is shown; it is nothing further.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.how_far.closure import Closure
+from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.outcome import Verdict
+from fogreduce.diagnosis.inference.search import Search, State
+from fogreduce.diagnosis.inference.significance import deviate
+from fogreduce.diagnosis.where.places import Place, farthest, places
+from fogreduce.diagnosis.which.unknown.resembles import Resemblance, resembling
+from fogreduce.physics.special import log_normal_tail
+
+#: The least significance of what is listed: that of the test itself.
+_LEAST = deviate(float(np.log(priors.REMAINDER)))
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What is left.
+
+    Attributes
+    ----------
+    p_value : float
+        Probability that noise and stated uncertainties alone leave a statistic as far out as the farthest.
+    shown : tuple of Place
+        Where something stands out.
+    further : tuple of Place
+        Where it stands out by more than departures of the causes from their shapes could.
+    kin : tuple of Resemblance
+        Effects whose shapes come nearest to that.
+    """
+
+    p_value: float
+    shown: tuple[Place, ...]
+    further: tuple[Place, ...]
+    kin: tuple[Resemblance, ...] = ()
+
+    @property
+    def significant(self) -> bool:
+        """Whether noise and stated uncertainties do not account for what is left."""
+        return self.p_value < priors.REMAINDER
+
+
+def remaining(search: Search, state: State) -> Remainder:
+    """Test what a set of causes leaves.
+
+    Parameters
+    ----------
+    search : Search
+    state : State
+        The causes, fitted on the simulator; none of them: the whole gap is what is left.
+    """
+    ground = state.ground
+    # causes at the sizes that fit best, of exactly the catalogue's shapes
+    exact = Field.of(ground.metric.beside(state.model.slopes), ground.y - state.model.change)
+    findings = ground.fast.findings(state.causes)
+    sigma = farthest(exact, ground.families, findings, _unnamed(search, state))
+    p = float(np.exp(log_normal_tail(-sigma))) if sigma > 0.0 else 1.0
+    if p >= priors.REMAINDER:
+        return Remainder(p, (), ())
+    shown = _places(search, state, exact, findings, exact=True)
+    further = _places(search, state, state.field, findings, exact=False)
+    kin = resembling(state.field, ground.candidates, findings, further)
+    return Remainder(p, tuple(shown), tuple(further), tuple(kin))
+
+
+def _unnamed(search: Search, state: State) -> Callable[[Field], list[Finding]]:
+    """Random processes that no effect makes, found in a field."""
+
+    def processes(field: Field) -> list[Finding]:
+        return [f for f in state.ground.processes.findings(field, search.allowed) if not f.known]
+
+    return processes
+
+
+def _places(
+    search: Search, state: State, field: Field, findings: Iterable[Finding], exact: bool
+) -> list[Place]:
+    """Where a field stands out; unless `exact`, less what departures from the causes' shapes could make."""
+
+    def doubt(channels: Sequence[str]) -> float:
+        return 0.0 if exact else search.doubt_at(state, channels)
+
+    left = [f if exact else _less_departure(f, state) for f in findings]
+    processes = _unnamed(search, state)
+    return places(field, state.ground.families, left, processes, search.data.run_ids, doubt, _LEAST)
+
+
+def _less_departure(finding: Finding, state: State) -> Finding:
+    """A finding of the full rate less what a cause of the same statistic leaves that is not quite of its
+    shape.
+    """
+    mine = [c.finding for c in state.causes if c.finding is not None]
+    kind = finding.domain.split()[0]
+    alike = [f.snr2 for f in mine if f.domain.split()[0] == kind and {*f.channels} & {*finding.channels}]
+    size = priors.DEPARTURE * np.sqrt(max(alike, default=0.0))
+    return replace(finding, snr2=float(max(np.sqrt(max(finding.snr2, 0.0)) - size, 0.0) ** 2))
+
+
+def borne_out(verdict: Verdict, closure: Closure, remainder: Remainder) -> Verdict:
+    """The verdict that the test of what is left bears out.
+
+    `explained` is what closes, within the closure's error, and leaves nothing further.
+    """
+    if verdict.word == "no_gap" or not verdict.state.causes:
+        return verdict
+    closed = closure.fraction + 1.96 * closure.std >= priors.CLOSED
+    if closed and not remainder.further:
+        return replace(verdict, word="explained")
+    unknown = verdict.unknown_probability
+    if remainder.further:
+        sigma = max(p.sigma for p in remainder.further)
+        unknown = max(unknown, 1.0 - float(np.exp(log_normal_tail(-sigma))))
+    return replace(verdict, word="partly_explained", unknown_probability=unknown)
