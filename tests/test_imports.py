@@ -15,7 +15,7 @@ LAYERS = [
     {"constants", "units", "errors"},
     {"physics"},
     {"metadata", "datasets", "estimate", "effects", "plausibility"},
-    {"stages", "simulate", "diagnosis", "archive", "figures", "pages", "calibrate", "guess"},
+    {"stages", "simulate", "diagnosis", "archive", "figures", "pages", "calibrate", "characterise", "guess"},
     {"cli", "warm"},
 ]
 

@@ -55,6 +55,8 @@ class Readings:
         Mean raw reading, polarity taken out [raw unit]; NaN where a gyro gave none.
     count : (n, m) array
         Samples in it.
+    scatter : (n, m) array
+        Their standard deviation about it [raw unit].
     motion : (3, m) array
         What the axes x, y, z read of table and Earth [deg/s].
     departure : (3, 3, m) array
@@ -72,6 +74,7 @@ class Readings:
     time_s: Array
     raw: Array
     count: Array
+    scatter: Array
     motion: Array
     departure: Array
     temperature: Array | None
@@ -131,6 +134,7 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
         time_s=time_s,
         raw=np.where(bins.count[:n, inside] > size / 2, bins.mean[:n, inside], np.nan),
         count=bins.count[:n, inside],
+        scatter=bins.scatter[:n, inside],
         motion=bins.mean[n : n + 3, inside],
         departure=bins.mean[n + 3 :, inside].reshape(3, 3, -1),
         temperature=None if log is None else log.sensor_at(time_s) - log.sensor_at(np.zeros(1)),

@@ -1,0 +1,1 @@
+"""What a unit is: the terms of a test report, each with its uncertainty."""
