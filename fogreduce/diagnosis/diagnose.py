@@ -172,7 +172,7 @@ def _cause(verdict: Verdict, one: Named, parts: Mapping[Key, Share]) -> dict[str
             "effect": o.key[0],
             "channels": list(o.key[1]),
             "runs": list(o.key[2]),
-            **({"parameters": {_OTHER[o.key[0]]: {"value": o.key[3], "std": None}}} if o.key[3] else {}),
+            **_other_gyro(o.key),
             "probability": round(min(p, 1.0), 6),
         }
         for o, p in one.group
@@ -187,6 +187,12 @@ def _cause(verdict: Verdict, one: Named, parts: Mapping[Key, Share]) -> dict[str
         "parameters": plain(cause.stated()),
         "closure": None if part is None else asdict(part),
     }
+
+
+def _other_gyro(key: Key) -> dict[str, Any]:
+    """The parameter of a rival that names another gyro."""
+    name = _OTHER.get(key[0])
+    return {"parameters": {name: {"value": key[3], "std": None}}} if name and key[3] else {}
 
 
 def _closure(closure: Closure) -> dict[str, Any]:

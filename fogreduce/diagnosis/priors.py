@@ -24,6 +24,10 @@ EVERY_GYRO, SOME_PLACES = (2.0, 1.0), (1.0, 3.0)
 STALE, OF_RECORD = 0.03, frozenset({"bias_offset", "scale_factor_error", "axis_misalignment"})
 STALE_KIND, STALE_GYROS = 0.6, (4.0, 1.0)
 
+#: Ln odds before the spectra were seen: that one line more is there, as one of forty effects; that two lines
+#: of one gyro mix, which no effect of the catalogue makes.
+A_LINE, A_MIXTURE = np.log(0.1 / 40.0), np.log(0.01 * 0.3 / 12.0)
+
 #: That all gyros are off by one common amount, beside amounts of their own.
 COMMON = 0.05
 

@@ -80,6 +80,8 @@ class Cause:
     @property
     def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
         """As a candidate's."""
+        if self.finding is not None:
+            return self.finding.key
         other = self.settled.get("source", self.settled.get("with", ""))
         return self.effect, self.channels, self.runs, str(other)
 

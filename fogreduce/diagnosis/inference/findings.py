@@ -56,5 +56,6 @@ class Finding:
 
     @property
     def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
-        """Effect, channels, runs; as a candidate's."""
-        return self.effect, self.channels, self.runs, ""
+        """Effect, channels, runs, frequency of a line; as a candidate's."""
+        hz = self.parameters.get("frequency_hz")
+        return self.effect, self.channels, self.runs, "" if hz is None else f"{hz[0]:.6g} Hz"

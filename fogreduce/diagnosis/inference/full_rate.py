@@ -40,7 +40,7 @@ def full_rate_causes(search: Search) -> FullRateCauses:
     for _ in range(_MOST):
         found = [f for f in search.fast.findings(causes) if (f.domain, f.channels) not in unknown]
         taken = {c.key for c in causes}
-        found = [f for f in found if f.key not in taken or f.domain == "lines"]
+        found = [f for f in found if f.key not in taken]
         best = max(found, key=_odds, default=None)
         if best is None or _odds(best) <= 0.0:
             break

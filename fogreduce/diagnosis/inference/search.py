@@ -201,7 +201,7 @@ class Search:
         known = self._filters.setdefault(fast.level.tobytes(), {})
         whiten = whitener(data.inputs, data.sizes, fast.level, _processes(base), known)
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
-        y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
+        y = whiten(whiten.rows.stacked(fast.data.residual)[:, None])[:, 0]
         metric = Metric.of(whiten(nuisances(data.inputs, actions)))
         builder = Builder(data.inputs, whiten, actions, self.allowed, data.rails)
         return Ground(
@@ -276,7 +276,7 @@ class Search:
         }
         out = [o for o in out if o.key[0] != "low_pass"]
         for finding in findings:
-            if finding.key in taken and finding.domain.split()[0] != "lines":
+            if finding.key in taken:
                 continue
             log_b = raw = finding.log_b
             if finding.effect == "low_pass":

@@ -13,12 +13,13 @@ from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.next.detectable import TOLD_APART, Row, crossing, threshold
 from fogreduce.diagnosis.observe.capture import RunInput
-from fogreduce.diagnosis.observe.full_rate import FIRST_LINE, LEAST_LINE_HZ, PIECE
+from fogreduce.diagnosis.observe.full_rate import FIRST_LINE, PIECE
 from fogreduce.diagnosis.which.full_rate.converter import _WAVES
 from fogreduce.diagnosis.which.full_rate.line_evidence import sizes_log
 from fogreduce.diagnosis.which.full_rate.link import HEALTHY_FAULT, share_evidence
 from fogreduce.diagnosis.which.full_rate.spectrum import Levels, correlation_findings, level_findings
 from fogreduce.diagnosis.which.full_rate.stamps import clock_evidence, stamps
+from fogreduce.diagnosis.which.full_rate.streams import LEAST_HZ
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.physics.noise import white_sigma
 
@@ -146,7 +147,7 @@ def _lines(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     rate = facts.sample_rate_hz
     samples = max(one.facts.n_expected for one in inputs)
     runs = sum(one.facts.n_expected == samples for one in inputs)
-    band = 0.49 * rate - 2.0 * LEAST_LINE_HZ
+    band = 0.49 * rate - LEAST_HZ
     if band <= 0.0 or samples < 64:
         return
     padded = 2 ** np.ceil(np.log2(2.0 * samples))
@@ -155,7 +156,7 @@ def _lines(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     # amplitude of one standard deviation of a quadrature [deg/h], for a line somewhere between two of them
     unit = white * np.sqrt(2.0 / samples) / _KEPT
     more = np.log(2.0 * count)
-    at = {"frequency_hz": f"any from {2.0 * LEAST_LINE_HZ:g} to {0.49 * rate:g}"}
+    at = {"frequency_hz": f"any from {LEAST_HZ:g} to {0.49 * rate:g}"}
     own = _moduli(runs, threshold(1.0 / n) + more, probability)
     seen = facts.axes * facts.frame_signs / unit[:, None]
     for i in range(n):

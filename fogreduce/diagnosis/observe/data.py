@@ -19,9 +19,10 @@ from fogreduce.diagnosis.observe.capture import (
     read_samples,
 )
 from fogreduce.diagnosis.observe.constant import Constant, constant_gyros, without_dead
-from fogreduce.diagnosis.observe.full_rate import LEAST_LINE_HZ, PIECE, FullRate, full_rate, straightened
+from fogreduce.diagnosis.observe.full_rate import PIECE, FullRate, full_rate, straightened
 from fogreduce.diagnosis.observe.run_noise import own_levels, with_white_noise
 from fogreduce.diagnosis.which.full_rate.converter import Codes, codes
+from fogreduce.diagnosis.which.full_rate.lines import Line, without_lines
 from fogreduce.diagnosis.which.full_rate.link import zero_bits
 from fogreduce.effects.model import Stage
 from fogreduce.effects.selection import Action
@@ -33,6 +34,7 @@ from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
 
+_PIECE_S = 2.0  # in which what is slow is taken for a straight line or nearly
 _ASKED = 16  # times in a piece of a spectrum at which what effects change is asked for
 
 
@@ -44,8 +46,12 @@ class Data:
     ----------
     inputs : runs
     residual, sizes : lists of (n, blocks) arrays
-        Block means of measured less predicted [deg/h], 0 where there is none; samples in each.
+        Block means of measured less predicted and of lines [deg/h], 0 where there is none; samples in each.
     full : list of FullRate
+    lines : tuple of Line
+        What was taken out, and the best that the odds are against.
+    of_lines : list of (n, blocks) arrays
+        What the lines made of the block means [deg/h].
     stated_white : (n,) array
         N of the record [deg/sqrt(h)].
     bits : (n,) array of int
@@ -68,6 +74,8 @@ class Data:
     residual: list[Array]
     sizes: list[Array]
     full: list[FullRate]
+    lines: tuple[Line, ...]
+    of_lines: list[Array]
     stated_white: Array
     bits: NDArray[np.int64]
     rails: dict[int, float]
@@ -102,12 +110,15 @@ class Data:
 
     def some_runs(self, which: slice) -> Data:
         """The same of some runs alone."""
+        found = [line.of(self.run_ids[which]) for line in self.lines]
         return replace(
             self,
             inputs=self.inputs[which],
             residual=self.residual[which],
             sizes=self.sizes[which],
             full=self.full[which],
+            lines=tuple(one for one in found if one is not None),
+            of_lines=self.of_lines[which],
             codes=self.codes[which],
             own_noise=self.own_noise[which],
         )
@@ -123,9 +134,16 @@ class Data:
 
         What a gross fault changes is far larger than noise: its curvature within a second passes for lines.
         """
-        return replace(
-            self, full=[_full_rate(one, read_samples(one, _steady(actions))) for one in self.inputs]
-        )
+        captures = [read_samples(one, _steady(actions)) for one in self.inputs]
+        captures, lines, of_lines = _less_lines(self.inputs, captures)
+        residual = [
+            np.where(size > 0.0, value + before - after, 0.0)
+            for value, size, before, after in zip(
+                self.residual, self.sizes, self.of_lines, of_lines, strict=True
+            )
+        ]
+        full = [_full_rate(one, s) for one, s in zip(self.inputs, captures, strict=True)]
+        return replace(self, residual=residual, full=full, lines=lines, of_lines=of_lines)
 
     def bent(self, actions: Sequence[Action]) -> float:
         """What effects change beside a straight line in each piece of a spectrum, in noise of one sample: the
@@ -135,7 +153,7 @@ class Data:
         for one in self.inputs:
             rate = one.facts.sample_rate_hz
             noise = white_sigma(self.stated_white, rate) * SECONDS_PER_HOUR
-            piece_s = max(PIECE / rate, 1.0 / LEAST_LINE_HZ)
+            piece_s = max(PIECE / rate, _PIECE_S)
             pieces = max(int(one.facts.n_expected / rate / piece_s), 1)
             time_s: Array = (np.arange(pieces * _ASKED, dtype=np.float64) + 0.5) * (piece_s / _ASKED)
             change = one.scene.decoded(time_s, _steady(actions)) - one.scene.decoded(time_s)
@@ -156,6 +174,7 @@ def read_data(
     captures = [read_samples(one) for one in inputs]
     constant = constant_gyros(inputs, captures)
     captures = without_dead(inputs, captures, constant)
+    captures, lines, of_lines = _less_lines(inputs, captures)
     full = [_full_rate(one, s) for one, s in zip(inputs, captures, strict=True)]
     record = inputs[0].record
     inputs, found_white = with_white_noise(inputs, captures, full)
@@ -177,6 +196,8 @@ def read_data(
         residual,
         sizes,
         full,
+        lines,
+        of_lines,
         stated,
         bits,
         _rails(captures, full, inputs, constant),
@@ -192,6 +213,24 @@ def _simulated(one: RunInput, campaign: Path) -> RunInput:
     """A run as another campaign folder has it, whose capture may be of another format."""
     folder = campaign / "runs" / one.facts.run_id
     return replace(one, run=load_run(folder), folder=folder)
+
+
+def _less_lines(
+    inputs: Sequence[RunInput], captures: Sequence[Samples]
+) -> tuple[list[Samples], tuple[Line, ...], list[Array]]:
+    """Captures without their lines; the lines; what they made of the block means."""
+    residuals = [samples.residual for samples in captures]
+    left, lines = without_lines(residuals, [one.facts for one in inputs])
+    clean = [replace(samples, residual=r) for samples, r in zip(captures, left, strict=True)]
+    of_lines = []
+    for one, before, after in zip(inputs, captures, clean, strict=True):
+        if after.residual is before.residual:
+            of_lines.append(np.zeros((len(before.residual), one.scene.blocks.count)))
+            continue
+        args = one.scene.blocks, one.facts.sample_rate_hz
+        means = block_residual(before, *args)[0] - block_residual(after, *args)[0]
+        of_lines.append(np.nan_to_num(means))
+    return clean, lines, of_lines
 
 
 def _full_rate(one: RunInput, samples: Samples) -> FullRate:

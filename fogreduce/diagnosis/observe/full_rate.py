@@ -1,7 +1,7 @@
 """Statistics of one run's full-rate stream: what block means cannot show.
 
-Spectra are taken over short pieces, each less its straight line, so that what is slow does not leak into
-them.
+Lines are taken out of it before (`which.full_rate.lines`). Spectra are taken over short pieces, each less its
+straight line, so that what is slow does not leak into them.
 Samples that are missing or spurious are replaced by others of the same second: that keeps the noise white.
 """
 
@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 PIECE = 256  # samples of a piece of the averaged spectrum
 FIRST_LINE = 4  # lines of a piece's spectrum below this are left out: trends leak there
 MOST_BITS = 16
-LEAST_LINE_HZ = 0.5
+NORMAL = 1.4826  # standard deviation over median absolute deviation of normal deviates
+ASLEEP = 0.1  # of the usual noise: a converter at its rail
 _CALM = 2.0  # times the usual power of a piece: more is an edge or a glitch, not noise
 
 
@@ -39,8 +40,9 @@ class FullRate:
         Records that never arrived, of how many.
     spurious_counts : list of (k,) arrays
         The spurious counts of each gyro.
-    pairs, repeats : (n,) arrays
-        Neighbouring samples, and those of them that are equal.
+    pairs, repeats, scatter : (n,) arrays
+        Neighbouring samples, those of them that are equal, and the standard deviation of the differences of
+        the others [counts].
     ends : (n, MOST_BITS + 1) array
         How many counts end in at least m zero bits.
     at_rest : (n,) array of bool
@@ -53,10 +55,6 @@ class FullRate:
         Mean power [(deg/h)^2]: white noise of variance s^2 has s^2 in every line.
     cross : (F, n, n) array
         Mean products of the gyros' spectra in each line, real parts [(deg/h)^2].
-    line_hz : (L,) array
-        Frequencies of the whole run's spectrum [Hz].
-    lines : (n, L) complex array
-        Its amplitudes, of unit variance in each quadrature for white noise of 1 deg/h a sample.
     stamps : Stamps
         Time stamps against pulses.
     """
@@ -70,14 +68,13 @@ class FullRate:
     spurious_counts: list[NDArray[np.int64]]
     pairs: Array
     repeats: Array
+    scatter: Array
     ends: Array
     at_rest: NDArray[np.bool_]
     pieces: int
     frequency: Array
     power: Array
     cross: Array
-    line_hz: Array
-    lines: NDArray[np.complex128]
     stamps: Stamps
 
 
@@ -94,11 +91,10 @@ def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator)
     good = np.isfinite(samples.residual)
     filled = _filled(samples.residual, good, generator)
     pieces, frequency, power, cross = _spectrum(filled, facts.sample_rate_hz)
-    line_hz, lines = _lines(filled, facts.sample_rate_hz)
-    pairs, repeats = _repeats(samples.counts, good)
+    pairs, repeats, scatter = _repeats(samples.counts, good)
     stated = np.ones(len(good)) if facts.white_noise is None else facts.white_noise
     nominal = stated * 60.0 * np.sqrt(facts.sample_rate_hz)
-    level = np.sqrt(np.median(power, axis=1)) if power.size else nominal
+    level = _low_level(power) if power.size else nominal
     return FullRate(
         run_id=facts.run_id,
         samples=good.sum(axis=1).astype(float),
@@ -109,14 +105,13 @@ def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator)
         spurious_counts=[c[s] for c, s in zip(samples.counts, samples.spurious, strict=True)],
         pairs=pairs,
         repeats=repeats,
+        scatter=scatter,
         ends=_ends(samples.counts, good),
-        at_rest=(level < 0.2 * nominal) if facts.white_noise is not None else level <= 0.0,
+        at_rest=(level < ASLEEP * nominal) if facts.white_noise is not None else level <= 0.0,
         pieces=pieces,
         frequency=frequency,
         power=power,
         cross=cross,
-        line_hz=line_hz,
-        lines=lines,
         stamps=stamps(samples.stamp_s, facts.sample_rate_hz),
     )
 
@@ -172,32 +167,20 @@ def _spectrum(filled: Array, rate_hz: float) -> tuple[int, Array, Array, Array]:
     return pieces, frequency, power, cross
 
 
-def _lines(filled: Array, rate_hz: float) -> tuple[Array, NDArray[np.complex128]]:
-    """The whole run's spectrum, each line split in two so that none falls between."""
-    n, size = filled.shape
-    padded = 1 << int(np.ceil(np.log2(max(2 * size, 2))))
-    # what is slow and large must not leak into the lines: each second less its mean
-    second = max(int(rate_hz / LEAST_LINE_HZ), 2)
-    whole = size // second * second
-    if whole == 0:
-        return np.zeros(0), np.zeros((n, 0), complex)
-    frequency = np.asarray(np.fft.rfftfreq(padded, 1.0 / rate_hz), np.float64)
-    # the lines that are kept lie side by side
-    low = int(np.searchsorted(frequency, 2.0 * LEAST_LINE_HZ, side="left"))
-    high = max(int(np.searchsorted(frequency, 0.49 * rate_hz, side="right")), low)
-    lines = np.empty((n, high - low), complex)
-    for row, values in zip(lines, filled, strict=True):
-        cut = straightened(values[:whole].reshape(-1, second))
-        strength = np.mean(cut**2, axis=1)
-        cut[strength > 4.0 * np.median(strength)] = 0.0
-        np.multiply(np.fft.rfft(cut.reshape(whole), padded)[low:high], np.sqrt(2.0 / whole), out=row)
-    return frequency[low:high], lines
+def _low_level(power: Array) -> Array:
+    """Noise of a sample (n,) [deg/h] by its lowest lines, which a filter leaves as they are."""
+    return np.sqrt(np.median(power[:, : max(power.shape[1] // 8, 1)], axis=1))
 
 
-def _repeats(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> tuple[Array, Array]:
+def _repeats(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
     both = good[:, 1:] & good[:, :-1]
-    same = both & (counts[:, 1:] == counts[:, :-1])
-    return both.sum(axis=1).astype(float), same.sum(axis=1).astype(float)
+    steps = np.abs(np.diff(counts, axis=1))
+    same = both & (steps == 0)
+    scatter = np.zeros(len(counts))
+    for i, row in enumerate(steps):
+        other = row[both[i] & ~same[i]]
+        scatter[i] = NORMAL * float(np.median(other)) if other.size else 0.0
+    return both.sum(axis=1).astype(float), same.sum(axis=1).astype(float), scatter
 
 
 def _ends(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> Array:

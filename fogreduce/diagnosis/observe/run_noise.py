@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.observe.capture import RunInput, Samples
-from fogreduce.diagnosis.observe.full_rate import FullRate
+from fogreduce.diagnosis.observe.full_rate import NORMAL, FullRate
 from fogreduce.diagnosis.which.full_rate.spectrum import level_evidence, rounding_variance
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.metadata.calibration import Noise
@@ -19,7 +19,6 @@ from fogreduce.physics.noise import white_sigma
 
 Array = NDArray[np.float64]
 
-_NORMAL = 1.4826  # standard deviation over median absolute deviation of normal deviates
 _FEWEST = 32  # neighbouring samples from whose differences a noise is told to a sixth
 _ROUNDED = 0.01  # of rounding's variance: noise below it cannot be told from none
 #: A run's noise is its own where it departs by so much, relative, and by so many standard deviations.
@@ -69,7 +68,7 @@ def _white(one: RunInput, samples: Samples, run: FullRate, i: int) -> float:
     else:
         steps = np.abs(np.diff(samples.residual[i]))
         steps = steps[np.isfinite(steps)]
-        variance = 0.5 * float(_NORMAL * np.median(steps)) ** 2 if steps.size >= _FEWEST else 0.0
+        variance = 0.5 * float(NORMAL * np.median(steps)) ** 2 if steps.size >= _FEWEST else 0.0
     if variance <= 0.0:
         return float("nan")
     rounding = float(rounding_variance(one.facts, np.zeros(one.facts.n_gyros))[i])

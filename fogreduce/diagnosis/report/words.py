@@ -22,7 +22,8 @@ def in_words(item: Mapping[str, Any]) -> str:
 
 
 def _words(effect: str, channels: Sequence[str], runs: Sequence[str], other: str) -> str:
-    pair = f" {'with' if effect == 'channel_swap' else 'from'} {other}" if other else ""
+    joint = {"channel_swap": "with", "crosstalk": "from"}.get(effect, "at")
+    pair = f" {joint} {other}" if other else ""
     where = "" if list(runs) == ["*"] else f" in {', '.join(runs)}"
     return f"{effect} {', '.join(channels)}{pair}{where}"
 

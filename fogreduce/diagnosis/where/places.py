@@ -82,7 +82,7 @@ def places(
             columns = np.column_stack([_freed(p, families, len(field.y), len(run_ids)) for p in others])
             beside = Field.of(field.metric.beside(columns), field.y)
             if place.family is not None:
-                q = max(np.sqrt(beside.fit(place.family).q) - doubt(place.channels), 0.0) ** 2
+                q = max(np.sqrt(max(beside.fit(place.family).q, 0.0)) - doubt(place.channels), 0.0) ** 2
                 if q < place.q:
                     place = replace(place, q=q, sigma=significance(q, place.degrees, place.trials))
             else:

@@ -107,7 +107,9 @@ def test_filters_and_eigenvectors_made_before_are_those_made_anew(data, search) 
 def test_waves_turned_on_from_stretch_to_stretch() -> None:
     generator = np.random.default_rng(4)
     noise = generator.standard_normal(300)
-    codes = Codes(np.sort(generator.uniform(-0.9, 0.9, 300)), np.full(300, 40.0), noise, 1e-3, noise)
+    codes = Codes(
+        np.sort(generator.uniform(-0.9, 0.9, 300)), np.full(300, 40.0), noise, 1e-3, noise, np.zeros(0)
+    )
     first, step = 2.0e3, 0.07
     found = codes.scores(first, step, 1100)
     np.testing.assert_allclose(found, codes.score(first + step * np.arange(1100)), rtol=1e-9, atol=1e-9)

@@ -33,6 +33,7 @@ _NOT_NOISE = 1.1
 _WANDERS = 4.0  # standard deviations of a mean square
 #: In a run longer than this [s] a gyro drifts in more ways than `slow` has; within so many seconds, hardly.
 _LONG, _DRIFTS = 600, 20.0
+_LAGS, _CLEAR = 100, 4.0
 _APART = 4.0  # waves farther apart than this, times sigma, are none of each other's in noise
 
 
@@ -49,6 +50,8 @@ class Codes:
         Standard deviation of e [V].
     whole : (B,) array
         Sum of the departures with what is slow of them [V]: an error found is told more of by that.
+    correlation : (K,) array
+        Of the noise with itself, one sample later and so on, as far as it shows.
     """
 
     volts: Array
@@ -56,12 +59,13 @@ class Codes:
     noise: Array
     sigma: float
     whole: Array
+    correlation: Array
 
     def score(self, kappa: Array) -> NDArray[np.complex128]:
         """S at each kappa [1/V], in standard deviations of one of its two parts."""
         wave = np.exp(1j * np.outer(kappa, self.volts))
         total = wave @ (self.noise / self.sigma**2) - 1j * kappa * (wave @ self.number)
-        return np.asarray(total * np.sqrt(2.0 / self.information(kappa)))
+        return np.asarray(total * np.sqrt(2.0 / self.variance(kappa)))
 
     def scores(self, first: float, step: float, count: int) -> NDArray[np.complex128]:
         """`score` at evenly spaced kappa; a wave is that of its stretch's start turned on by some steps."""
@@ -71,11 +75,22 @@ class Codes:
         noise = (turned @ (starts * (self.noise / self.sigma**2)).T).T.ravel()[:count]
         number = (turned @ (starts * self.number).T).T.ravel()[:count]
         kappa: Array = first + np.arange(count, dtype=np.float64) * step
-        return np.asarray((noise - 1j * kappa * number) * np.sqrt(2.0 / self.information(kappa)))
+        return np.asarray((noise - 1j * kappa * number) * np.sqrt(2.0 / self.variance(kappa)))
 
     def information(self, kappa: Array) -> Array:
-        """Variance of S, both parts: also twice the information on A."""
+        """What S comes to for an error of A = 2; the variance of S, both parts, for white noise."""
         return float(self.number.sum()) * (kappa**2 + 1.0 / self.sigma**2)
+
+    def variance(self, kappa: Array) -> Array:
+        """Variance of S, both parts, for noise of this correlation.
+
+        Of two samples with the correlation r, whose terms of S have, by integration by parts, the covariance
+        ``r (1 / sigma^2 + kappa^2 r) exp(-(kappa sigma)^2 (1 - r))``.
+        """
+        turn2 = (np.atleast_1d(kappa) * self.sigma)[:, None] ** 2
+        r = self.correlation
+        more = np.sum(r * (1.0 + turn2 * r) * np.exp(-turn2 * (1.0 - r)), axis=1) / (1.0 + turn2[:, 0])
+        return self.information(kappa) * np.maximum(1.0 + 2.0 * more, 0.1)
 
 
 def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | None:
@@ -132,7 +147,22 @@ def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | N
         return None
     middle = np.bincount(cell, x)[some] / count[some]
     noise, slowly = (np.bincount(cell, one)[some].astype(np.float64) for one in (swept, e))
-    return Codes(middle, count[some].astype(np.float64), noise, float(np.std(swept)), slowly)
+    return Codes(
+        middle, count[some].astype(np.float64), noise, float(np.std(swept)), slowly, _correlation(fast)
+    )
+
+
+def _correlation(fast: Array) -> Array:
+    """Of noise (seconds, samples) with itself some samples later, as far as it stands clear of chance."""
+    flat = fast.ravel()
+    power = float(flat @ flat)
+    out: list[float] = []
+    for lag in range(1, _LAGS):
+        r = float(flat[lag:] @ flat[:-lag]) / power
+        if abs(r) < _CLEAR / np.sqrt(flat.size):
+            break
+        out.append(r)
+    return np.array(out)
 
 
 def _wanders(e: Array, usable: NDArray[np.bool_], sigma: float) -> bool:
@@ -193,14 +223,15 @@ def _refined(here: Sequence[Codes], kappa: float, step: float) -> dict[str, tupl
     widest = max(float(np.ptp(c.volts)) for c in here)
     fine = kappa + np.linspace(-step, step, _FINE)
     size = np.zeros(_FINE)
-    information = np.zeros(_FINE)
+    information, variance = np.zeros(_FINE), np.zeros(_FINE)
     for c in here:
         scores = c.scores(float(fine[0]), float(fine[1] - fine[0]), _FINE)
-        size += scores.imag * np.sqrt(c.information(fine) / 2.0)
+        size += scores.imag * np.sqrt(c.variance(fine) / 2.0)
         information += c.information(fine) / 2.0
-    gain = size**2 / information
+        variance += c.variance(fine) / 2.0
+    gain = size**2 / variance
     k = int(np.argmax(gain))
-    volts, error = float(size[k] / information[k]), float(1.0 / np.sqrt(information[k]))
+    volts, error = float(size[k] / information[k]), float(np.sqrt(variance[k]) / information[k])
     snr = max(abs(volts) / error, 1.0)
     # neighbouring waves may fit nearly as well: within two standard deviations all of them count
     near = float(np.max(np.abs(fine[gain > gain[k] - 4.0] - fine[k])))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from fogreduce.diagnosis.observe.constant import dead_findings
 from fogreduce.diagnosis.observe.data import Data
 from fogreduce.diagnosis.observe.run_noise import own_level_findings
 from fogreduce.diagnosis.which.full_rate.converter import converter_findings
-from fogreduce.diagnosis.which.full_rate.lines import line_findings
+from fogreduce.diagnosis.which.full_rate.lines import Line
 from fogreduce.diagnosis.which.full_rate.link import link_findings
 from fogreduce.diagnosis.which.full_rate.spectrum import correlation_findings, level_findings, levels
 from fogreduce.diagnosis.which.full_rate.stamps import stamp_findings
@@ -21,7 +22,7 @@ from fogreduce.diagnosis.which.full_rate.stamps import stamp_findings
 Array = NDArray[np.float64]
 
 _WIRING = ("channel_swap", "polarity_error", "rotation_sense", "start_offset", "saturation")
-_SPOILS = 25.0  # twice the gain in ln likelihood from which on a line is kept out of levels
+_UNKNOWN_SHARE = 0.3  # of what is unknown of lines, mixtures have
 
 
 class Fast:
@@ -53,14 +54,8 @@ class Fast:
         plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, colour, data.own_noise)
         whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
         self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3) * self._rounding() * data.own_noise
-        self._known_lines: dict[str, list[Finding]] = {}
-        lines = self._lines([])
-        spoiled: list[list[float]] = [[] for _ in range(n)]
-        for line in lines:
-            if line.snr2 > _SPOILS:
-                hz = line.parameters["frequency_hz"][0] if line.parameters else 0.0
-                for i in range(n):
-                    spoiled[i].append(float(hz))
+        self.lines = [_line_finding(line, allowed) for line in data.lines]
+        spoiled = [[line.hz for line in data.lines if line.taken]] * n
         self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, colour, data.own_noise)
         self.held = [self._held_by_repeats(i) for i in range(n)]
         self.level = self._low_level()
@@ -115,13 +110,6 @@ class Fast:
         shape: Array = (1.0 - q * q) / (1.0 + q * q - 2.0 * q * np.cos(turn))
         return shape
 
-    def _lines(self, taken: Sequence[Finding]) -> list[Finding]:
-        key = repr(sorted((f.runs, f.parameters["frequency_hz"][0]) for f in taken))
-        if key not in self._known_lines:
-            white = self.data.stated_white * self.whole
-            self._known_lines[key] = line_findings(self.data.full, self.facts, white, self.allowed, taken)
-        return self._known_lines[key]
-
     def findings(self, causes: Sequence[Cause]) -> list[Finding]:
         """What may be added to the causes."""
         mine = [c.finding for c in causes if c.finding is not None]
@@ -148,7 +136,8 @@ class Fast:
     def _found(self, mine: Sequence[Finding]) -> list[Finding]:
         taken = {(f.domain, f.channels) for f in mine}
         out = [f for f in self.link if (f.domain, f.channels) not in taken]
-        out += self._lines([f for f in mine if f.domain.split()[0] == "lines"])
+        found = {f.key for f in mine}
+        out += [f for f in self.lines if f.key not in found]
         if self.levels is None:
             return out
         for i in range(self.data.n):
@@ -171,3 +160,29 @@ class Fast:
         if not any(f.domain == "correlation" for f in mine):
             out += list(correlation_findings(self.levels, self.allowed))
         return out
+
+
+def _line_finding(line: Line, allowed: frozenset[str]) -> Finding:
+    """A line as what an effect of the catalogue does, or as unknown."""
+    table = line.channels == ("table",)
+    effect = "base_motion" if table else "periodic_interference"
+    known = line.known and effect in allowed
+    parameters: dict[str, tuple[Any, Any]] = {
+        "deg_h": (line.deg_h, line.std),
+        "frequency_hz": (line.hz, line.hz_std),
+    }
+    if line.axis is not None:
+        parameters["axis"] = (list(line.axis), None)
+    return Finding(
+        effect if known else "unknown",
+        line.channels,
+        line.runs,
+        line.log_b,
+        2.0 * line.gain,
+        parameters,
+        line.share * (1.0 if line.known else _UNKNOWN_SHARE),
+        "lines" if line.runs == ("*",) else "lines of " + " ".join(line.runs),
+        "table" if table else "noise",
+        "line",
+        line.degrees,
+    )

@@ -20,6 +20,7 @@ _FRACTIONS = np.geomspace(1e-6, 0.5, 41)
 _DOUBLE = 0.1  # prior of an unknown cause of what an effect of the catalogue does
 _SPIKE_REACH = 2.0**30
 _FINE = 0.5  # counts of noise from which on neighbours that are equal by chance are few
+_MANY_STEPS = 8.0  # whose median tells their scatter
 _AT_THE_END = 2.0  # records that the end of a capture lacks by the rounding of its length
 
 
@@ -91,7 +92,8 @@ def link_findings(
         pairs = sum(float(run.pairs[i]) for run, _ in awake)
         repeats = sum(float(run.repeats[i]) for run, _ in awake)
         equal = sum(
-            float(run.pairs[i]) * min(2.0**bits / (2.0 * noise * np.sqrt(np.pi)), 0.5) for run, noise in awake
+            float(run.pairs[i]) * _equal(run.scatter[i] / 2.0**bits, noise / 2.0**bits)
+            for run, noise in awake
         )
         chance = equal / max(pairs, 1.0)
         log_b, snr2, value = share_evidence(repeats, pairs, chance)
@@ -115,6 +117,15 @@ def link_findings(
                 "electronics",
                 "codes",
             )
+
+
+def _equal(scatter: float, noise: float) -> float:
+    """Chance that neighbours are equal, from their differences' scatter and their noise, in steps.
+
+    A filter makes neighbours alike; where steps are coarse, their scatter is known by the noise alone.
+    """
+    between = scatter if scatter > _MANY_STEPS else np.sqrt(2.0) * noise
+    return float(min(1.0 / (between * np.sqrt(2.0 * np.pi)), 0.5))
 
 
 def _lost_records(runs: Sequence[FullRate], n: int) -> Iterator[Finding]:

@@ -1,63 +1,76 @@
-"""Lines that no effect of the catalogue makes: locked to the run's start, or two that mix."""
+"""Lines that no effect of the catalogue makes: two that mix."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.which.full_rate.line_evidence import best_of, leading, sizes_log
+from fogreduce.diagnosis.which.full_rate.line_evidence import leading, sizes_log
 
 Array = NDArray[np.float64]
 
 _TONES = 14  # the strongest lines that are tried in pairs
 _BEYOND = 3.0  # ln evidence that a second line and a mixture must bring beside the strongest line alone
+_HARMONIC = 3.0  # lines of the spectrum within which one frequency is a multiple of another
 
 
-def unknown_lines(
-    lines: Sequence[NDArray[np.complex128]], power: Array, hz: Array, free: NDArray[np.bool_], count: float
-) -> list[tuple[float, float, int]]:
-    """What no line of the catalogue does: one whose phase is the same in every run, two that mix.
+@dataclass(frozen=True)
+class Mixture:
+    """Two lines with their sum, their difference or both.
+
+    Attributes
+    ----------
+    log_b : float
+        Ln evidence over that of noise alone, the look-elsewhere in it.
+    gain : float
+        Gain in ln likelihood.
+    product : float
+        Ln evidence of the sum and the difference, the two lines given.
+    index : int
+        The stronger line's place in the spectrum.
+    hz : tuple of float
+        Frequencies of the two, their sum and their difference.
+    """
+
+    log_b: float
+    gain: float
+    product: float
+    index: int
+    hz: tuple[float, ...]
+
+
+def mixed(
+    lines: Sequence[NDArray[np.complex128]], hz: Array, free: NDArray[np.bool_], count: float
+) -> Mixture | None:
+    """The best mixture, of phases that are the same in every run or others in each; None without one.
 
     Parameters
     ----------
     lines : (L,) arrays
         Amplitudes of one gyro in each run, of unit variance in each quadrature.
-    power : (L,) array
-        Sum over runs of their squares.
     hz : (L,) array
     free : (L,) array of bool
         Which lines may be looked at.
     count : float
         Lines that are independent.
-
-    Returns
-    -------
-    list of (ln evidence, gain in ln likelihood, index of the line)
     """
-    out: list[tuple[float, float, int]] = []
-    kinds: list[tuple[list[Array], Array]] = []
+    power = np.sum(np.abs(lines) ** 2, axis=0)
+    kinds: list[tuple[list[Array], Array]] = [([np.asarray(one) for one in lines], power)]
     if len(lines) > 1:
         together = np.abs(np.sum(lines, axis=0)) / np.sqrt(len(lines))
-        leaders = leading(together, free)
-        if leaders.size and together[leaders[-1]] > 0.0:
-            k, log_sum, top = best_of(together[leaders, None])
-            out.append((float(log_sum - np.log(count)), top, int(leaders[k])))
         kinds.append(([together], together))
-    kinds.append(([np.asarray(one) for one in lines], power))
-    for parts, strength in kinds:
-        mixed = _mixed(parts, strength, hz, free, count)
-        if mixed is not None:
-            out.append(mixed)
-    return out
+    found = [_mixed(parts, strength, hz, free, count) for parts, strength in kinds]
+    return max((one for one in found if one is not None), key=lambda one: one.log_b, default=None)
 
 
 def _mixed(
     parts: Sequence[NDArray[Any]], strength: Array, hz: Array, free: NDArray[np.bool_], count: float
-) -> tuple[float, float, int] | None:
-    """Two lines with their sum, their difference or both: ln evidence, gain, index of the stronger one."""
+) -> Mixture | None:
+    """The best mixture of lines whose phases are one in all `parts`, or in each another."""
 
     def moduli(index: NDArray[np.intp]) -> Array:
         return np.abs(np.stack([part[index] for part in parts], axis=-1))
@@ -68,12 +81,19 @@ def _mixed(
             peaks.append(k)
         if len(peaks) == _TONES:
             break
-    if len(peaks) < 2:
+    offset = hz[0] / (hz[1] - hz[0])
+    rank = np.array(
+        [
+            (a, b)
+            for a in range(len(peaks))
+            for b in range(a + 1, len(peaks))
+            if not _harmonic(peaks[a] + offset, peaks[b] + offset)
+        ]
+    )
+    if not rank.size:
         return None
-    rank = np.array([(a, b) for a in range(len(peaks)) for b in range(a + 1, len(peaks))])
     pairs = np.array(peaks)[rank]
     own, own_gain = sizes_log(moduli(np.array(peaks)))
-    offset = hz[0] / (hz[1] - hz[0])
     mixes = []
     for at in (pairs.sum(axis=1) + offset, np.abs(pairs[:, 0] - pairs[:, 1]) - offset):
         near = np.rint(at).astype(int)[:, None] + np.arange(-2, 3)
@@ -92,4 +112,13 @@ def _mixed(
     if log_b < float(own.max() - np.log(count)) + _BEYOND:
         return None
     whole = float(own_gain[rank[best]].sum() + max(plus_gain[best], minus_gain[best]))
-    return log_b, whole, int(pairs[best, 0])
+    one, other = hz[pairs[best]].tolist()
+    product = float(either[best] - np.log(len(pairs)))
+    return Mixture(log_b, whole, product, int(pairs[best, 0]), (one, other, one + other, abs(one - other)))
+
+
+def _harmonic(one: float, other: float) -> bool:
+    """Whether one place in the spectrum is a multiple of the other: a line that is no sine has such."""
+    low, high = sorted((one, other))
+    order = round(high / low)
+    return abs(high - order * low) < _HARMONIC * order

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.inference.evidence import log_bayes, log_mean_exp
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.observe.full_rate import FullRate
+from fogreduce.diagnosis.observe.full_rate import PIECE, FullRate, straightened
 from fogreduce.effects.at import At, Place
 from fogreduce.effects.electronics import low_pass
 from fogreduce.effects.gyro_names import gyro_name
@@ -33,6 +33,7 @@ LEVEL_DOUBT = 0.02
 _TAUS_MS = np.geomspace(0.1, 200.0, 40)
 _LEVELS = LEVEL_DOUBT * np.array([3.0, 6.0, 12.0, 25.0, 60.0])
 _EDGES = 14
+_FINE = 2048  # frequencies at which a filter's response is taken: longer than its memory and a piece
 _CORRELATIONS = np.array([0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.2, 0.35, 0.6, 0.85])
 
 
@@ -89,7 +90,7 @@ class Levels:
         gain = np.empty(len(self.frequency))
         for rate in np.unique(self.rate_hz).tolist():
             here = self.rate_hz == rate
-            gain[here] = filter_gain(tau_ms, rate, self.frequency[here])
+            gain[here] = filter_gain(np.array([tau_ms]), rate, self.frequency[here])[0]
         return gain
 
     def low_passes(self) -> Array:
@@ -97,7 +98,7 @@ class Levels:
         gains = np.empty((len(_TAUS_MS), len(self.frequency)))
         for rate in np.unique(self.rate_hz).tolist():
             lines = self.frequency[self.rate_hz == rate]
-            gains[:, self.rate_hz == rate] = _gains(rate, len(lines), lines.tobytes())
+            gains[:, self.rate_hz == rate] = filter_gain(_TAUS_MS, rate, lines)
         return gains
 
     def white_level(self, mean: float, i: int, which: NDArray[np.bool_]) -> float:
@@ -113,8 +114,12 @@ class Levels:
         """Shape (F,) that a further process gives the spectrum of gyro i; a smooth one does not show."""
         if kind not in ("flicker", "walk"):
             return np.ones(len(self.frequency))
-        added = _drifting(self.frequency * self.rate_hz, **{kind: size})
-        result: Array = 1.0 + 0.5 * self.rate_hz * added / self.expected[i]
+        added = np.empty(len(self.frequency))
+        for rate in np.unique(self.rate_hz).tolist():
+            here = self.rate_hz == rate
+            density = _drifting(np.abs(np.fft.fftfreq(_FINE)[1:]) * rate, **{kind: size})
+            added[here] = shown_by_pieces(np.append(0.0, 0.5 * rate * density), self.frequency[here])
+        result: Array = 1.0 + added / self.expected[i]
         return result
 
 
@@ -187,8 +192,10 @@ def _group(
     white = np.array([float(white_sigma(s, rate)) for s in stated]) * SECONDS_PER_HOUR
     rounding = rounding_variance(facts, bits)
     # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
-    drifting = _drifting(frequency * rate, *(size[:, None] for size in colour))
-    expected = (white**2 + rounding)[:, None] + 0.5 * rate * drifting
+    slow = np.zeros((n, _FINE))
+    fine = np.abs(np.fft.fftfreq(_FINE)[1:]) * rate
+    slow[:, 1:] = 0.5 * rate * _drifting(fine, *(size[:, None] for size in colour))
+    expected = (white**2 + rounding)[:, None] + shown_by_pieces(slow, frequency)
     power, pieces = np.zeros((n, len(frequency))), np.zeros(n)
     cross = np.zeros((len(frequency), n, n))
     for run, size in zip(runs, own, strict=True):
@@ -239,23 +246,55 @@ def _drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 
     return result
 
 
-def filter_gain(tau_ms: float, rate_hz: float, frequency: Array) -> Array:
-    """Power gain of the simulator's own low pass at frequencies given as fractions of the sample rate."""
-    size = 8192
-    impulse = np.zeros(size)
-    impulse[1] = 1.0
-    place = Place("", 0, (), 1, partial(stream, 0, "gap"))
-    nowhere: Any = None  # a filter looks at nothing but its input
-    at = At(place, impulse, 1.0 / rate_hz, nowhere, impulse, None, impulse, impulse)
-    response = np.abs(np.fft.rfft(low_pass(impulse, {"time_constant_ms": tau_ms}, at))) ** 2
-    return np.interp(frequency, np.fft.rfftfreq(size), response)
+def filter_gain(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
+    """Power (taus, F) of white noise of variance 1 after the simulator's own low pass, as pieces show it.
+
+    A piece's edges let the strong low lines leak into the weak high ones: that is in it.
+
+    Parameters
+    ----------
+    tau_ms : (taus,) array
+    rate_hz : float
+    frequency : (F,) array
+        Lines of the pieces' spectrum, as fractions of the sample rate, one after another.
+    """
+    return shown_by_pieces(_responses(tau_ms.tobytes(), rate_hz), frequency)
+
+
+def shown_by_pieces(power: Array, frequency: Array) -> Array:
+    """What pieces less their straight lines show (..., F) of a spectrum (..., _FINE) at even frequencies."""
+    gains = np.empty((*power.shape[:-1], len(frequency)))
+    starts = np.flatnonzero(np.diff(frequency, prepend=np.inf) <= 0.0).tolist()
+    for first, stop in pairwise([*starts, len(frequency)]):
+        lines = frequency[first:stop]
+        length = round((stop - first - 1) / (lines[-1] - lines[0])) if stop - first > 1 else PIECE
+        gains[..., first:stop] = power @ _seen_by(length, lines.tobytes()).T
+    return gains
+
+
+@lru_cache(maxsize=64)
+def _responses(tau_ms: bytes, rate_hz: float) -> Array:
+    """Power gains (taus, _FINE) of the simulator's own low pass at even frequencies all round."""
+    responses = []
+    for tau in np.frombuffer(tau_ms, np.float64).tolist():
+        impulse = np.zeros(_FINE)
+        impulse[1] = 1.0
+        place = Place("", 0, (), 1, partial(stream, 0, "gap"))
+        nowhere: Any = None  # a filter looks at nothing but its input
+        at = At(place, impulse, 1.0 / rate_hz, nowhere, impulse, None, impulse, impulse)
+        responses.append(np.abs(np.fft.fft(low_pass(impulse, {"time_constant_ms": tau}, at))) ** 2)
+    return np.array(responses)
 
 
 @lru_cache(maxsize=8)
-def _gains(rate_hz: float, count: int, frequency: bytes) -> Array:
-    """Power gains of low passes of each of `_TAUS_MS`, (taus, F); frequencies as bytes of float64."""
-    lines = np.frombuffer(frequency, np.float64, count)
-    return np.array([filter_gain(t, rate_hz, lines) for t in _TAUS_MS.tolist()])
+def _seen_by(length: int, frequency: bytes) -> Array:
+    """How much of each of _FINE even frequencies a line of a piece's spectrum shows, (F, _FINE)."""
+    lines = np.frombuffer(frequency, np.float64)
+    waves = np.exp(-2j * np.pi * np.outer(lines, np.arange(length)))
+    # a line of the piece less its straight line is the piece times the wave less its own
+    windows = straightened(waves.real) + 1j * straightened(waves.imag)
+    result: Array = np.abs(np.fft.fft(windows.conj(), _FINE)) ** 2 / (length * _FINE)
+    return result
 
 
 def _profile(mean_ratio: Array, weight: float, spreads: Array) -> Array:
