@@ -36,6 +36,29 @@ class Vibration:
 
 
 @dataclass(frozen=True)
+class Departure:
+    """The table's angle less the commanded one: straight between corners, steady before and after them.
+
+    Attributes
+    ----------
+    time_s, angle_rad : (k,) arrays
+    """
+
+    time_s: Array
+    angle_rad: Array
+
+    def angle_at(self, time_s: Array) -> Array:
+        """Angle [rad] at times [s]."""
+        return np.interp(time_s, self.time_s, self.angle_rad)
+
+    def rate_at(self, time_s: Array) -> Array:
+        """Rate [deg/s] at times [s]."""
+        slopes = np.degrees(np.diff(self.angle_rad) / np.diff(self.time_s))
+        padded = np.concatenate(([0.0], slopes, [0.0]))
+        return padded[np.searchsorted(self.time_s, time_s, side="right")]
+
+
+@dataclass(frozen=True)
 class Motion:
     """What turns, how, and where.
 
@@ -58,6 +81,8 @@ class Motion:
         The unit sits turned on the table by each of these in turn: ``w -> w - tilt x w``.
     on_earth : bool
         False where there is no Earth's rate: a unit in orbit.
+    departure : Departure or None
+        What the table is known to have done beside all that.
     """
 
     profile: Profile
@@ -70,6 +95,7 @@ class Motion:
     tilts_rad: tuple[Array, ...] = ()
     vibrations: tuple[Vibration, ...] = ()
     on_earth: bool = True
+    departure: Departure | None = None
 
     @classmethod
     def nominal(cls, facts: RunFacts) -> Motion:
@@ -91,7 +117,8 @@ class Motion:
             n, phase = ripple.harmonic, ripple.phase_rad
             swing = np.sin(n * commanded + phase) - np.sin(phase)
             angle = angle + ripple.amplitude / n * swing
-        return self.gain * angle
+        angle = self.gain * angle
+        return angle if self.departure is None else angle + self.departure.angle_at(time_s)
 
     def unit_rate(self, time_s: Array, alpha_rad: Array) -> Array:
         """The unit's rate w [deg/s], (3, N), in the unit frame, right-handed; `alpha_rad` from `angle_at`."""
@@ -99,6 +126,8 @@ class Motion:
         rate = table_rates(self.profile, self.table_axis, _ONES, shifted)
         if self.ripples or self.gain != 1.0:
             rate *= self.rate_factor(self.profile.angle_at(shifted) if self.ripples else alpha_rad)
+        if self.departure is not None:
+            rate = rate + np.outer(self.table_axis, self.departure.rate_at(time_s))
         if self.on_earth:
             earth = EarthPart.of(self.table_axis, self.unit_from_enu, self.latitude_deg, _ONES)
             rate += earth.at(alpha_rad)

@@ -264,7 +264,7 @@ def stated_actions(inputs: Sequence[RunInput]) -> list[tuple[Action, float]]:
 
 def nuisances(inputs: Sequence[RunInput], base: Sequence[Action] = ()) -> Array:
     """Columns (rows, q) of the stated uncertainties, one sigma each [deg/h], about a chain with effects in
-    it.
+    it; the errors of a logged motion of the table among them.
     """
     rows = Rows(tuple(one.scene.blocks.count for one in inputs), inputs[0].facts.n_gyros)
     plain = [one.scene.block_means(base) for one in inputs]
@@ -277,6 +277,10 @@ def nuisances(inputs: Sequence[RunInput], base: Sequence[Action] = ()) -> Array:
             for one, before in zip(inputs, plain, strict=True)
         ]
         columns.append(rows.stacked(changed))
+    for r, one in enumerate(inputs):
+        for changed_here in one.scene.table_errors():
+            parts = [changed_here if k == r else np.zeros_like(p) for k, p in enumerate(plain)]
+            columns.append(rows.stacked(parts))
     return np.column_stack(columns) if columns else np.zeros((rows.total, 0))
 
 

@@ -13,9 +13,10 @@ from fogreduce.constants import MISSING_COUNT
 from fogreduce.datasets.flags import GyroFlag, RecordFlag
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
-from fogreduce.datasets.run_logs import temperatures_of
+from fogreduce.datasets.run_logs import table_log_of, temperatures_of
 from fogreduce.diagnosis.observe.blocks import Blocks
 from fogreduce.diagnosis.observe.predict import Scene
+from fogreduce.diagnosis.observe.table_motion import table_motion
 from fogreduce.effects.selection import Action
 from fogreduce.errors import BadInput
 from fogreduce.metadata.calibration import CalibrationRecord
@@ -82,8 +83,14 @@ def read_inputs(
 
     def ready(folder: Path, run: Run, record: CalibrationRecord) -> RunInput:
         facts = facts_of(run, record)
-        log = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
-        return RunInput(run, record, facts, Scene(facts, log, Blocks.of(facts)), folder)
+        plain = run.model_dump(mode="json")
+        log = temperatures_of(folder, plain, facts.start_us)
+        angles = table_log_of(folder, plain, facts.start_us) if need_capture else None
+        table = None if angles is None else table_motion(angles, facts.profile)
+        blocks = Blocks.of(facts)
+        if table is not None:
+            blocks = Blocks.of(facts, blocks.holding(table.departure.time_s))
+        return RunInput(run, record, facts, Scene(facts, log, blocks, table), folder)
 
     return runs_of_one_record(campaign, calibrations, only, ready, need_capture=need_capture)
 

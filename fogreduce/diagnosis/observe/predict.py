@@ -8,7 +8,7 @@ and what is random belong to the full rate and are left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -17,17 +17,20 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.diagnosis.observe.blocks import Blocks
+from fogreduce.diagnosis.observe.table_motion import TableMotion
 from fogreduce.effects.at import At, Place
 from fogreduce.effects.model import Stage
 from fogreduce.effects.motion import Motion
 from fogreduce.effects.selection import Action
 from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.alignment import axis_rates_from_unit_rate, gyro_rates_from_axis_rates
 from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.simulate.forward import ForwardRun, Turning
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
 
+_FAINT = 0.01  # of the largest error of a logged motion: what is less does not count
 _BEFORE = (Stage.MOTION, Stage.AXES, Stage.BIAS, Stage.SCALE, Stage.CROSSTALK, Stage.DEAD_ZONE, Stage.LATENCY)
 _AFTER = (Stage.FILTER, Stage.CLIPPING, Stage.COLUMNS, Stage.POLARITY)
 #: Stages whose effects change what a block's mean is.
@@ -36,11 +39,12 @@ SLOW_STAGES = (*_BEFORE, *_AFTER)
 
 @dataclass(frozen=True)
 class Scene:
-    """A run, ready to be predicted: its facts, temperature log and blocks."""
+    """A run, ready to be predicted: its facts, temperature log, blocks, its table's motion by its log."""
 
     facts: RunFacts
     temperature: TemperatureLog | None
     blocks: Blocks
+    table: TableMotion | None = None
 
     def block_means(self, actions: Sequence[Action] = ()) -> Array:
         """Decoded readings in block means, (n, blocks) [deg/h], with effects in the chain."""
@@ -59,9 +63,10 @@ class Scene:
             return self.blocks
         edges = self.facts.profile.edges_s
         late = np.concatenate([steps, *(edges + start + age for age in (0.0, *ages) if start or ages)])
-        further = self.blocks.holding(late) - self.blocks.holding(edges)
+        corners = frozenset() if self.table is None else self.blocks.holding(self.table.departure.time_s)
+        further = self.blocks.holding(late) - self.blocks.holding(edges) - corners
         if further not in self._shifted:
-            self._shifted[further] = Blocks.of(self.facts, further) if further else self.blocks
+            self._shifted[further] = Blocks.of(self.facts, further | corners) if further else self.blocks
         return self._shifted[further]
 
     @cached_property
@@ -70,8 +75,23 @@ class Scene:
 
     @cached_property
     def turning(self) -> Turning:
-        """The motion as stated, at the blocks' times."""
-        return Turning.of(Motion.nominal(self.facts), self.facts, self.blocks.time_s)
+        """The motion as stated and logged, at the blocks' times."""
+        motion = Motion.nominal(self.facts)
+        if self.table is not None:
+            motion = replace(motion, departure=self.table.departure)
+        return Turning.of(motion, self.facts, self.blocks.time_s)
+
+    def table_errors(self) -> list[Array]:
+        """Independent errors of the logged motion in block means, (n, blocks) [deg/h] each: one sigma."""
+        if self.table is None:
+            return []
+        facts = self.facts
+        turned = axis_rates_from_unit_rate(facts.table_axis[:, None], facts.frame_signs)
+        seen = gyro_rates_from_axis_rates(turned, facts.axes) * SECONDS_PER_HOUR
+        means = self.blocks.means(self.table.error_rates(self.blocks.time_s))
+        # what many rows of a log leave open within a block is one number
+        _, size, shapes = np.linalg.svd(means, full_matrices=False)
+        return [seen * (s * shape) for s, shape in zip(size, shapes, strict=True) if s > _FAINT * size[0]]
 
     def decoded(self, time_s: Array, actions: Sequence[Action] = ()) -> Array:
         """Decoded readings (n, N) [deg/h] at true times [s]; even times where a filter is among the
