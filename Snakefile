@@ -4,22 +4,12 @@ import os
 import sys
 from pathlib import Path
 
-from snakemake.dag import DAG
-
-from fogreduce.cli.alone import WORKFLOW, hold
-from fogreduce.warm.planning import hasten
-from fogreduce.warm.scheduler import lighten
 from fogreduce.warm.start import start
 
-hasten(DAG)
 # The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
 os.environ.update(
     PATH=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 )
-# They end when this process does; and what a killed one has locked is unlocked.
-os.environ[WORKFLOW] = str(os.getpid())
-if workflow.is_main_process:
-    HELD = hold(Path(".snakemake"))
 
 
 configfile: Path(workflow.basedir) / "workflow" / "config.yaml"
@@ -50,10 +40,9 @@ rule all:
 
 
 onstart:
-    # Jobs are served by one warm process; without it each starts from cold, with the same results.
-    start()
-    if workflow.local_exec:
-        lighten(workflow.scheduler)
+    lock_results()
+    if CONFIG.warm_server:
+        start()
 
 
 onerror:

@@ -40,6 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.archive.software import source_folder
     from fogreduce.archive.write import write_bag
     from fogreduce.cli.progress import progress
+    from fogreduce.datasets.sole_writer import sole_writer
 
     source = source_folder(arguments.source)
     found = campaigns_in(arguments.results)
@@ -48,10 +49,11 @@ def run(arguments: argparse.Namespace) -> int:
         raise BadInput.at("--only", "", found=missing[0] or "nothing", expected=", ".join(found) or "results")
     if not names:
         raise BadInput.at(arguments.results, "", found="no reduced run", expected="<campaign>/<run> in it")
-    for name in names:
-        planned = contents(arguments.results, name, arguments.campaigns, arguments.calibrations, source)
-        total = sum(item.source.stat().st_size for item in planned.items)
-        with progress(total, "B") as told:
-            digest, bag = write_bag(planned, arguments.out / name, told, by_digest=arguments.by_digest)
-        print(f"{digest}  {bag}")
+    with sole_writer(arguments.out):
+        for name in names:
+            planned = contents(arguments.results, name, arguments.campaigns, arguments.calibrations, source)
+            total = sum(item.source.stat().st_size for item in planned.items)
+            with progress(total, "B") as told:
+                digest, bag = write_bag(planned, arguments.out / name, told, by_digest=arguments.by_digest)
+            print(f"{digest}  {bag}")
     return 0

@@ -19,10 +19,12 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.archive.outputs import results_bytes, write_checksums
     from fogreduce.archive.versions import keep
     from fogreduce.cli.progress import progress
+    from fogreduce.datasets.sole_writer import sole_writer
 
-    with progress(results_bytes(arguments.results), "bytes") as told:
-        data = write_checksums(arguments.results, told)
-    print(f"{len(data['files'])} files, version {data['version_id']}")
-    if not arguments.no_keep:
-        print(f"kept as {keep(arguments.results, data).folder}")
+    with sole_writer(arguments.results):
+        with progress(results_bytes(arguments.results), "bytes") as told:
+            data = write_checksums(arguments.results, told)
+        print(f"{len(data['files'])} files, version {data['version_id']}")
+        if not arguments.no_keep:
+            print(f"kept as {keep(arguments.results, data).folder}")
     return 0

@@ -78,6 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Diagnose; the verdict on standard output."""
     from fogreduce.cli.many import Own, campaign_folders, diagnose_each, read_each
+    from fogreduce.datasets.sole_writer import sole_writer
 
     if args.out is None and not args.detectable:
         raise BadInput.at("--out", "", found="nothing", expected="a folder for the diagnosis")
@@ -101,7 +102,8 @@ def run(args: argparse.Namespace) -> int:
         if out is not None:
             refuse_raw("--out", out)
         do = _detectable if args.detectable else _diagnose
-        do(campaign, out, (*args.without, *mine.without), mine.only_runs or only, args)
+        with sole_writer(out) if out is not None else nullcontext():
+            do(campaign, out, (*args.without, *mine.without), mine.only_runs or only, args)
 
     if several is not None:
         return diagnose_each(several, one)

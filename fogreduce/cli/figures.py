@@ -42,13 +42,14 @@ def run(arguments: argparse.Namespace) -> int:
         raise BadInput.at("--run", "", found=f"no folder {arguments.run}", expected="the run's folder")
     began = time.monotonic()
     from fogreduce.cli.progress import progress
+    from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.figures.catalogue import plan
     from fogreduce.figures.results import Results
     from fogreduce.figures.save import save_all
 
     results = Results.read(arguments.out)
     planned = plan(results, arguments.run)
-    with progress(len(planned.drawn), "figures", began) as told:
+    with sole_writer(arguments.out), progress(len(planned.drawn), "figures", began) as told:
         save_all(planned, results.identity, arguments.out / "figures", formats, told)
     for stem, reason in planned.left_out.items():
         print(f"{stem}: left out, {reason}")

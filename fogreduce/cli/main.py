@@ -126,7 +126,7 @@ def console() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     # (The warm server does so by itself, and may have no second thread.)
     if "FOGREDUCE_WORKFLOW" in os.environ and sys.argv[1:2] != ["server"]:
-        from fogreduce.cli.alone import end_with_workflow
+        from fogreduce.cli.workflow_end import end_with_workflow
 
         end_with_workflow()
     sys.exit(main())

@@ -10,6 +10,7 @@ from fogreduce.archive.uses import refuse_rewritten
 from fogreduce.cli.reduce import add_arguments as add_arguments
 from fogreduce.cli.reduce import manifest_of
 from fogreduce.datasets.atomic import write_text
+from fogreduce.datasets.sole_writer import sole_writer
 
 HELP = "write the manifest of a run (a node of the workflow)"
 
@@ -18,9 +19,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Check the run's metadata, hash its inputs and write the manifest."""
     manifest = manifest_of(arguments)
     text = json.dumps(manifest, indent=1, allow_nan=False)
-    refuse_another_run(arguments.out, manifest)
-    used = manifest["calibration"]
-    refuse_rewritten(used["id"], used["sha256"], arguments.calibrations, arguments.out)
-    remove_outdated(arguments.out, manifest["version_id"])
-    write_text(arguments.out / "manifest.json", text + "\n")
+    with sole_writer(arguments.out):
+        refuse_another_run(arguments.out, manifest)
+        used = manifest["calibration"]
+        refuse_rewritten(used["id"], used["sha256"], arguments.calibrations, arguments.out)
+        remove_outdated(arguments.out, manifest["version_id"])
+        write_text(arguments.out / "manifest.json", text + "\n")
     return 0

@@ -88,18 +88,20 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.cli.flags import say_red_flags
     from fogreduce.cli.progress import progress
     from fogreduce.cli.warnings import print_warnings, summary_line
+    from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.stages.files import write_json
     from fogreduce.stages.run import reduce_run
     from fogreduce.stages.setup import MANIFEST, Setup
 
     setup = Setup(manifest(), arguments.out)
-    refuse_another_run(arguments.out, setup.manifest)
-    used = setup.manifest["calibration"]
-    refuse_rewritten(used["id"], used["sha256"], arguments.calibrations, arguments.out, beside=True)
-    with _nothing_left(arguments.out), progress(setup.facts.n_expected, "records") as told:
-        reduce_run(setup, arguments.run, told)
-    remove_outdated(arguments.out, setup.version_id)
-    write_json(arguments.out / MANIFEST, setup.manifest)
+    with sole_writer(arguments.out):
+        refuse_another_run(arguments.out, setup.manifest)
+        used = setup.manifest["calibration"]
+        refuse_rewritten(used["id"], used["sha256"], arguments.calibrations, arguments.out, beside=True)
+        with _nothing_left(arguments.out), progress(setup.facts.n_expected, "records") as told:
+            reduce_run(setup, arguments.run, told)
+        remove_outdated(arguments.out, setup.version_id)
+        write_json(arguments.out / MANIFEST, setup.manifest)
     say_red_flags(setup)
     warnings = print_warnings(setup, arguments.run)
     print(f"{arguments.run}: {summary_line(setup, warnings)}")

@@ -31,9 +31,10 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.archive.restore import ARCHIVED, restore
     from fogreduce.archive.verify import listed
     from fogreduce.cli.progress import progress
+    from fogreduce.datasets.sole_writer import sole_writer
 
     out = arguments.out
-    with progress(2 * sum(listed(arguments.bag).sizes.values()), "B") as told:
+    with sole_writer(out), progress(2 * sum(listed(arguments.bag).sizes.values()), "B") as told:
         found, note = restore(arguments.bag, out, arguments.expect, told)
     print(f"{out}: {found.campaign}, verified; archived results in {out / ARCHIVED}")
     if note is not None:

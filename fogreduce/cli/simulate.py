@@ -90,8 +90,9 @@ def _export(plan: Plan, args: argparse.Namespace) -> None:
 
 def _simulate(plan: Plan, out: Path) -> None:
     from fogreduce.cli.progress import progress
+    from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.simulate.campaign import write_campaign
 
-    with progress(plan.n_records, "records") as told:
+    with sole_writer(out), progress(plan.n_records, "records") as told:
         write_campaign(plan, out, told)
     print(f"{out}: {len(plan.chosen)} captures simulated")

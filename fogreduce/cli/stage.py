@@ -30,6 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the stage."""
     from fogreduce.cli.progress import progress
     from fogreduce.cli.warnings import print_warnings
+    from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.errors import BadInput
     from fogreduce.stages import run as stages
     from fogreduce.stages.setup import Setup
@@ -38,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.stage == "ingest" and arguments.run is None:
         raise BadInput.at("--run", "", found="nothing", expected="the run's folder")
     given = (arguments.run,) if arguments.stage in _READ_RUN else ()
-    with progress(setup.facts.n_expected, "records") as told:
+    with sole_writer(arguments.out), progress(setup.facts.n_expected, "records") as told:
         stages.STAGES[arguments.stage](setup, *given, progress=told)
     if arguments.stage == "drift":
         from fogreduce.cli.flags import say_red_flags

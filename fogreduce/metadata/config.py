@@ -108,6 +108,9 @@ class WorkflowConfig(ConfigModel):
     figures: FiguresConfig = Field(default=FiguresConfig(), description="figures of each run")
     pages: PagesConfig = Field(default=PagesConfig(), description="pages of each run and campaign")
     reduction: ReductionConfig = Field(default=ReductionConfig(), description="parameters of the reduction")
+    warm_server: bool = Field(
+        default=True, description="whether one process that has imported everything serves the jobs"
+    )
     withheld: dict[str, Any] = Field(
         default={}, description="settings of the withheld-runs rules, handed on as they are"
     )

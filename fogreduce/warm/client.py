@@ -1,9 +1,9 @@
 """Stands in for the command ``fogreduce`` while a warm server runs: hands it over, waits for its end.
 
-`start` copies this file into the server's folder, puts the path of the real command in, and the folder first
-on the PATH.  It imports what is built in and no more, so that it starts in 10 ms.  Where the server does not
-answer, or dies, the real command runs instead: outputs are written beside and renamed, so a second attempt
-does no harm.
+`start` puts this file, as a script, into the server's folder, the folder first on the PATH, and the path of
+the real command into the environment.  It imports what is built in and no more, so that it starts in 10 ms.
+Where the server does not answer, or dies, the real command runs instead: outputs are written beside and
+renamed, so a second attempt does no harm.
 """
 
 import _signal  # type: ignore[import-not-found]
@@ -15,13 +15,15 @@ TYPE_CHECKING = False  # the module typing takes longer than all else here
 if TYPE_CHECKING:
     from typing import NoReturn
 
-REAL = "fogreduce"  # replaced by `start`
+#: Environment variable: path of the real command.
+REAL = "FOGREDUCE_COMMAND"
 PATIENCE_S = 120.0
 
 
 def cold() -> "NoReturn":
     """The real command, in place of this process."""
-    os.execv(REAL, [REAL, *sys.argv[1:]])
+    real = os.environ[REAL]
+    os.execv(real, [real, *sys.argv[1:]])
 
 
 def request() -> bytes:

@@ -45,7 +45,7 @@ def start() -> Path | None:
         folder = Path(tempfile.mkdtemp(prefix=f"{_prefix()}{os.getpid()}-", dir=parent))  # mode 0700
     except OSError:
         return None
-    if not _made(folder / "fogreduce", real):
+    if not _made(folder / "fogreduce"):
         shutil.rmtree(folder, ignore_errors=True)
         return None
     with (folder / "log").open("wb") as log:
@@ -57,16 +57,16 @@ def start() -> Path | None:
             start_new_session=True,  # Ctrl-C is for the workflow to pass on
         )
     _servers.append(server)
+    os.environ[client.REAL] = str(Path(real).absolute())
     os.environ["PATH"] = os.pathsep.join([str(folder), os.environ.get("PATH", os.defpath)])
     return folder
 
 
-def _made(script: Path, real: str) -> bool:
+def _made(script: Path) -> bool:
     """Write the client; False where it, or a socket beside it, would not work."""
     if len(os.fsencode(script)) > _LONGEST_PATH or re.search(r"\s", sys.executable):
         return False
     source = Path(client.__file__).read_text(encoding="utf-8")
-    source = source.replace('REAL = "fogreduce"', f"REAL = {str(Path(real).absolute())!r}")
     try:
         script.write_text(f"#!{sys.executable} -IS\n{source}", encoding="utf-8")
         script.chmod(0o700)

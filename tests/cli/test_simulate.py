@@ -14,6 +14,7 @@ import pytest
 
 from fogreduce.cli.main import main
 from fogreduce.datasets.readers.fogcap import FogcapReader, read_header
+from fogreduce.datasets.sole_writer import WORKFLOW
 from fogreduce.metadata.folder import list_runs, load_campaign, load_run
 from fogreduce.metadata.yaml12 import load_yaml
 from fogreduce.simulate.capture import write_capture
@@ -318,7 +319,8 @@ def test_measured_captures_are_never_overwritten(
 def test_runs_simulated_at_once_are_all_listed(
     campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One run's simulation begins and ends while another's goes on, as in a workflow."""
+    """One run's simulation begins and ends while another's goes on: both are jobs of a workflow."""
+    monkeypatch.setenv(WORKFLOW, str(os.getpid()))
     out, write = tmp_path / "out", write_capture
 
     def meanwhile(*arguments: Any) -> None:

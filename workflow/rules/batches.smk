@@ -1,12 +1,8 @@
 """`runs`: every run, without the tables over them; or one batch of several, as profiles/slurm/batches.sh asks."""
 
-# "2/20" asks for the 2nd, the 22nd, the 42nd run and so on.
-ASKED = os.environ.get("FOGREDUCE_BATCH", "1/1")
 BATCH, _, BATCHES = ASKED.partition("/")
 if not (BATCH.isdecimal() and BATCHES.isdecimal() and 1 <= int(BATCH) <= int(BATCHES)):
-    raise WorkflowError(
-        f"FOGREDUCE_BATCH: found {ASKED!r}; expected a batch of several, such as 2/20"
-    )
+    stop(f"FOGREDUCE_BATCH: found {ASKED!r}; expected a batch of several, such as 2/20")
 
 
 rule runs:

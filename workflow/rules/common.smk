@@ -1,5 +1,6 @@
 """The configuration, the runs it asks for, and every file name of the workflow."""
 
+import atexit
 import csv
 import hashlib
 import json
@@ -9,10 +10,9 @@ import shlex
 import subprocess
 import sys
 import tempfile
+from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
-
-from snakemake.exceptions import WorkflowError
 
 from fogreduce.archive.clock import faults_of_inputs, make_old
 from fogreduce.archive.code import code_digest
@@ -21,10 +21,17 @@ from fogreduce.archive.edited import edited, notes_of
 from fogreduce.archive.uses import REWRITTEN, rewritten, some_of, uses_in
 from fogreduce.datasets.atomic import write_text
 from fogreduce.datasets.readers.installed import installed_readers, software_of
+from fogreduce.datasets.sole_writer import WORKFLOW, sole_writer, writers_inside
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.file_name import problem_of_file_name
 from fogreduce.metadata.folder import find_runs, is_name, list_campaigns, load_campaign
+
+
+def stop(faults):
+    """End the workflow over bad input or usage, as every command of fogreduce does."""
+    print(faults, file=sys.stderr)
+    sys.exit(2)
 
 
 def checked(function, *arguments):
@@ -32,7 +39,7 @@ def checked(function, *arguments):
     try:
         return function(*arguments)
     except BadInput as error:
-        raise WorkflowError(str(error)) from None
+        stop(error)
 
 
 CONFIG = checked(WorkflowConfig.from_data, config, "configuration")
@@ -65,7 +72,7 @@ def campaign_folders():
     }
     missing = [name for name in CONFIG.campaigns if name not in folders]
     if missing:
-        raise WorkflowError(
+        stop(
             f"{CONFIG.campaigns_dir}: found no campaign {missing[0]}; expected one, as configured"
         )
     return {name: folders[name] for name in CONFIG.campaigns or sorted(folders)}
@@ -197,7 +204,37 @@ def check_times():
             print(fault, file=sys.stderr)
 
 
-if workflow.is_main_process:
+# "2/20" asks for the 2nd, the 22nd, the 42nd run and so on.
+ASKED = os.environ.get("FOGREDUCE_BATCH", "1/1")
+#: What this process has locked; the system unlocks it when the process ends, however it ends.
+LOCKS = ExitStack()
+atexit.register(LOCKS.close)
+# Workers, and batches of one campaign, write side by side: what they share is the lock of who sent them.
+if not workflow.is_main_process or ASKED != "1/1":
+    os.environ[WORKFLOW] = str(os.getpid())
+
+
+def lock_results():
+    """See to it that nobody else writes the results while this workflow is at work; its jobs share its lock."""
+    checked(LOCKS.enter_context, sole_writer(Path(RESULTS)))
+    if found := writers_inside(Path(RESULTS), depth=2):
+        stop("\n".join(found))
+    os.environ[WORKFLOW] = str(os.getpid())
+
+
+def results_are_free():
+    """Whether nobody writes the results now."""
+    try:
+        with sole_writer(Path(RESULTS)):
+            return True
+    except BadInput:
+        return False
+
+
+#: Whether what stands in the results may be mended; where another is at work, `lock_results` ends this workflow.
+MAY_MEND = workflow.is_main_process and results_are_free()
+
+if MAY_MEND:
     check_times()
 
 
@@ -233,7 +270,7 @@ def find_edited():
     """Outputs that were edited by hand, by run and rule, those of earlier calls among them."""
     path = Path(RESULTS) / "_edited.json"
     notes = json.loads(path.read_text()) if path.is_file() else {}
-    if not workflow.is_main_process:
+    if not MAY_MEND:
         return notes
     before = json.dumps(notes, indent=1)
     for campaign, run in RUNS:

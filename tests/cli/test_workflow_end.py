@@ -1,4 +1,4 @@
-"""No command outlives its workflow; a dead workflow's locks are taken away, a live one's are not."""
+"""No command outlives its workflow."""
 
 from __future__ import annotations
 
@@ -11,61 +11,10 @@ from pathlib import Path
 import pytest
 from small_lab import header, records
 
-from fogreduce.cli.alone import WORKFLOW, hold
+from fogreduce.datasets.sole_writer import WORKFLOW
 
 COMMAND = str(Path(sys.executable).with_name("fogreduce"))
 PATIENCE_S = 60
-
-
-@pytest.fixture
-def state(tmp_path: Path) -> Path:
-    """A folder `.snakemake` with a lock that a workflow has left which was here before."""
-    state = tmp_path / ".snakemake"
-    held = hold(state)
-    assert held is not None
-    held.close()
-    (state / "locks").mkdir()
-    (state / "locks" / "0.output.lock").write_text("results/x\n")
-    return state
-
-
-def locks(state: Path) -> list[str]:
-    return sorted(path.name for path in (state / "locks").iterdir())
-
-
-def test_a_dead_workflows_locks_are_removed(state: Path) -> None:
-    assert hold(state) is not None
-    assert locks(state) == []
-
-
-def test_a_live_workflows_locks_stay(state: Path) -> None:
-    first = hold(state)
-    (state / "locks" / "0.output.lock").write_text("results/x\n")
-    second = hold(state)
-    assert locks(state) == ["0.output.lock"]
-    assert first is not None
-    assert second is not None
-    # The first ends; the second, which holds the folder too, still stands in the way of a third.
-    first.close()
-    third = hold(state)
-    assert third is not None
-    assert locks(state) == ["0.output.lock"]
-
-
-@pytest.mark.parametrize("said", ["another-machine", ""])
-def test_locks_that_may_be_another_machines_stay(state: Path, said: str) -> None:
-    (state / "fogreduce.lock").write_text(said)
-    assert hold(state) is not None
-    assert locks(state) == ["0.output.lock"]
-
-
-def test_a_file_system_without_locks(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(*_: object) -> None:
-        raise OSError(38, "Function not implemented")
-
-    monkeypatch.setattr("fcntl.flock", none)
-    assert hold(state) is None
-    assert locks(state) == ["0.output.lock"]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux tells of another process's end")
