@@ -1,9 +1,9 @@
 """Stands in for the command ``fogreduce`` while a warm server runs: hands it over, waits for its end.
 
-`start` puts this file, as a script, into the server's folder, the folder first on the PATH, and the path of
-the real command into the environment.  It imports what is built in and no more, so that it starts in 10 ms.
-Where the server does not answer, or dies, the real command runs instead: outputs are written beside and
-renamed, so a second attempt does no harm.
+`start` puts this file, as a script, and a link to the real command into the server's folder, and the folder
+first on the PATH.  It imports what is built in and no more, so that it starts in 10 ms.  Where the server
+does not answer, or dies, the real command runs instead: outputs are written beside and renamed, so a second
+attempt does no harm.
 """
 
 import _signal  # type: ignore[import-not-found]
@@ -15,14 +15,15 @@ TYPE_CHECKING = False  # the module typing takes longer than all else here
 if TYPE_CHECKING:
     from typing import NoReturn
 
-#: Environment variable: path of the real command.
-REAL = "FOGREDUCE_COMMAND"
+HERE = sys.argv[0].rpartition("/")[0]
+#: Name of the link to the real command.
+REAL = "real"
 PATIENCE_S = 120.0
 
 
 def cold() -> "NoReturn":
     """The real command, in place of this process."""
-    real = os.environ[REAL]
+    real = os.readlink(f"{HERE}/{REAL}")  # noqa: PTH115
     os.execv(real, [real, *sys.argv[1:]])
 
 
@@ -44,7 +45,7 @@ def main() -> "NoReturn":
     server = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM)
     try:
         server.settimeout(PATIENCE_S)
-        server.connect(sys.argv[0].rpartition("/")[0] + "/socket")
+        server.connect(HERE + "/socket")
         body = request()
         streams = b"".join(number.to_bytes(4, sys.byteorder) for number in (0, 1, 2))
         sent = server.sendmsg([body], [(_socket.SOL_SOCKET, _socket.SCM_RIGHTS, streams)])

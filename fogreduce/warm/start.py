@@ -45,7 +45,7 @@ def start() -> Path | None:
         folder = Path(tempfile.mkdtemp(prefix=f"{_prefix()}{os.getpid()}-", dir=parent))  # mode 0700
     except OSError:
         return None
-    if not _made(folder / "fogreduce"):
+    if not _made(folder / "fogreduce", Path(real).absolute()):
         shutil.rmtree(folder, ignore_errors=True)
         return None
     with (folder / "log").open("wb") as log:
@@ -57,12 +57,11 @@ def start() -> Path | None:
             start_new_session=True,  # Ctrl-C is for the workflow to pass on
         )
     _servers.append(server)
-    os.environ[client.REAL] = str(Path(real).absolute())
     os.environ["PATH"] = os.pathsep.join([str(folder), os.environ.get("PATH", os.defpath)])
     return folder
 
 
-def _made(script: Path) -> bool:
+def _made(script: Path, real: Path) -> bool:
     """Write the client; False where it, or a socket beside it, would not work."""
     if len(os.fsencode(script)) > _LONGEST_PATH or re.search(r"\s", sys.executable):
         return False
@@ -70,6 +69,7 @@ def _made(script: Path) -> bool:
     try:
         script.write_text(f"#!{sys.executable} -IS\n{source}", encoding="utf-8")
         script.chmod(0o700)
+        script.with_name(client.REAL).symlink_to(real)
     except OSError:
         return False
     return os.access(script, os.X_OK)  # not where nothing may be executed
