@@ -42,6 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--only-runs", metavar="ID,...", help="simulate these runs only")
     parser.add_argument(
+        "--overwrite", action="store_true", help="write over the captures of an earlier simulation in DIR"
+    )
+    parser.add_argument(
         "--export-model",
         metavar="FILE",
         type=Path,
@@ -76,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
     if args.export_model is not None:
         _export(plan, args)
     if args.out is not None:
-        _simulate(plan, args.out)
+        _simulate(plan, args.out, args.overwrite)
     return 0
 
 
@@ -88,11 +91,11 @@ def _export(plan: Plan, args: argparse.Namespace) -> None:
     print(f"{args.export_model}: model of {next(iter(plan.records))}")
 
 
-def _simulate(plan: Plan, out: Path) -> None:
+def _simulate(plan: Plan, out: Path, overwrite: bool) -> None:
     from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.simulate.campaign import write_campaign
 
     with sole_writer(out), progress(plan.n_records, "records") as told:
-        write_campaign(plan, out, told)
+        write_campaign(plan, out, told, overwrite)
     print(f"{out}: {len(plan.chosen)} captures simulated")

@@ -28,7 +28,7 @@ from fogreduce.simulate.publish import published
 Told = Callable[[int], None]
 
 
-def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None) -> None:
+def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, overwrite: bool = False) -> None:
     """Write the simulated campaign to the folder `out`.
 
     Beside it, ``<out>.injected.yaml`` says what was put in: seed, effects, what was drawn, and which captures
@@ -42,16 +42,20 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None) -> 
         A folder, which need not exist; run.yaml and logs are copied, captures added.
     told : callable
         Is told how many records are done.
+    overwrite : bool
+        Whether captures of an earlier simulation may be written over.
 
     Raises
     ------
     BadInput
-        `out` lies in the campaign, holds other runs, or a capture that no simulation wrote.
+        `out` lies in the campaign, holds other runs, a capture that no simulation wrote, or one of an earlier
+        simulation that is not to be written over.
     """
     _refuse(plan, out)
     runs = {run_id: simulated(plan.runs[run_id]) for run_id in plan.chosen}
     places = {run_id: Path("runs", run_id, run.capture.file) for run_id, run in runs.items()}
-    marks = own_captures({run_id: out / place for run_id, place in places.items()}, injected_path(out))
+    captures = {run_id: out / place for run_id, place in places.items()}
+    marks = own_captures(captures, injected_path(out), overwrite)
     done = 0
     with published(out) as folder:
         _write_campaign_yaml(plan, folder)

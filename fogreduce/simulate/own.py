@@ -28,7 +28,7 @@ def mark_of(run_id: str, capture: Path) -> dict[str, object]:
     return {"run": run_id, "bytes": capture.stat().st_size, "head_sha256": head}
 
 
-def own_captures(captures: Mapping[str, Path], record: Path) -> Marks:
+def own_captures(captures: Mapping[str, Path], record: Path, overwrite: bool = True) -> Marks:
     """What an earlier simulation listed of captures that stand where these are to be written.
 
     Parameters
@@ -37,11 +37,13 @@ def own_captures(captures: Mapping[str, Path], record: Path) -> Marks:
         Run -> where its capture is to be written.
     record : Path
         ``<out>.injected.yaml``, which need not be there.
+    overwrite : bool
+        Whether those of an earlier simulation may be written over.
 
     Raises
     ------
     BadInput
-        A capture stands there that no simulation wrote.
+        A capture stands there that no simulation wrote, or one that is not to be written over.
     """
     listed = _listed(record)
     there = {run_id: path for run_id, path in captures.items() if path.exists()}
@@ -58,6 +60,11 @@ def own_captures(captures: Mapping[str, Path], record: Path) -> Marks:
     ]
     if faults:
         raise BadInput(faults[0])
+    if there and not overwrite:
+        found = f"{len(there)} captures of an earlier simulation" if len(there) > 1 else "a simulated capture"
+        raise BadInput.at(
+            next(iter(there.values())), "", found=found, expected="another --out, or --overwrite"
+        )
     return list(marks.values())
 
 

@@ -154,11 +154,21 @@ def test_a_run_that_is_added_changes_no_other(campaign: Path, tmp_path: Path) ->
     assert captures(tmp_path / "one")["8-still"] == captures(tmp_path / "two")["8-still"]
 
 
-def test_an_older_output_is_replaced(campaign: Path, tmp_path: Path) -> None:
+def test_an_older_output_is_replaced_where_that_is_asked_for(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out"
     assert simulate(campaign, out, "--seed", "8") == 0
     before = captures(out)
-    assert simulate(campaign, out, "--seed", "9") == 0
+    capsys.readouterr()
+    assert simulate(campaign, out, "--seed", "9") == 2
+    assert capsys.readouterr().err.splitlines() == [
+        f"{out / 'runs' / '1-x-plus' / 'capture.fogcap'}: found 2 captures of an earlier simulation; "
+        "expected another --out, or --overwrite"
+    ]
+    assert captures(out) == before
+    assert load_yaml(tmp_path / "out.injected.yaml")["seed"] == 8
+    assert simulate(campaign, out, "--seed", "9", "--overwrite") == 0
     assert captures(out) != before
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
 
@@ -181,7 +191,7 @@ def test_a_failure_half_way_leaves_the_older_output(
 
     write = module.write_capture
     monkeypatch.setattr(module, "write_capture", failing)
-    assert simulate(campaign, out, "--seed", "9") == 2
+    assert simulate(campaign, out, "--seed", "9", "--overwrite") == 2
     assert captures(out) == before
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
     assert load_yaml(tmp_path / "out.injected.yaml")["seed"] == 8
@@ -299,16 +309,18 @@ def test_measured_captures_are_never_overwritten(
     out = tmp_path / "out"
     assert simulate(campaign, out) == 0
     for options in (["--seed", "8"], ["--only-runs", "1-x-plus"], ["--seed", "9"]):
-        assert simulate(campaign, out, *options) == 0  # its own output, as often as one likes
+        # its own output, as often as one asks for it
+        assert simulate(campaign, out, *options, "--overwrite") == 0
     (out / "runs" / "8-still" / "capture.fogcap").write_bytes(b"measured")
     before = captures(out)
     capsys.readouterr()
-    assert simulate(campaign, out, "--seed", "9") == 2
+    assert simulate(campaign, out, "--seed", "9", "--overwrite") == 2
     assert captures(out) == before
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert "runs/8-still/capture.fogcap: found a capture that no `fogreduce simulate` wrote" in said
-    assert simulate(campaign, out, "--only-runs", "1-x-plus") == 0  # the other is left alone
+    # the other is left alone
+    assert simulate(campaign, out, "--only-runs", "1-x-plus", "--overwrite") == 0
     (tmp_path / "out.injected.yaml").unlink()
     before = captures(out)
     assert simulate(campaign, out) == 2
@@ -330,7 +342,8 @@ def test_runs_simulated_at_once_are_all_listed(
 
     monkeypatch.setattr("fogreduce.simulate.campaign.write_capture", meanwhile)
     assert simulate(campaign, out, "--only-runs", "1-x-plus") == 0
-    assert simulate(campaign, out, "--seed", "9", "--only-runs", "1-x-plus,8-still") == 0
+    # both are listed as simulated: they may be written over
+    assert simulate(campaign, out, "--seed", "9", "--only-runs", "1-x-plus,8-still", "--overwrite") == 0
 
 
 def test_a_folder_in_the_campaign_is_refused(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
