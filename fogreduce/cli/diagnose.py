@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fogreduce.cli.options import add_calibrations
 from fogreduce.cli.raw import refuse_raw, run_ids
@@ -17,6 +17,7 @@ from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
     from fogreduce.diagnosis.diagnose import Diagnosis
+    from fogreduce.metadata.bench import Bench
 
 _PROBABILITY, _SNR = 0.95, 10.0
 
@@ -50,6 +51,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--simulated", metavar="CAMPAIGN2", type=Path, help="captures of another simulator as the prediction"
+    )
+    parser.add_argument(
+        "--bench",
+        metavar="FILE",
+        type=Path,
+        help="what table and chamber can do (fogreduce/bench/1): the run that it proposes stays within it",
     )
     parser.add_argument(
         "--verify-next",
@@ -113,6 +120,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _refuse_idle(args: argparse.Namespace) -> None:
     """Options that would change nothing as they are given."""
+    if args.detectable and args.bench:
+        raise BadInput.at("--bench", "", found="with --detectable", expected="a run to be proposed")
     if args.detectable and args.verify_next:
         raise BadInput.at("--verify-next", "", found="with --detectable", expected="one of the two")
     for option, value in (("--probability", args.probability), ("--snr", args.snr)):
@@ -134,27 +143,43 @@ def _diagnose(
     campaign: Path, out: Path, without: Sequence[str], only: Sequence[str], args: argparse.Namespace
 ) -> None:
     """One campaign; its verdict on standard output."""
+    from fogreduce.cli.many import campaign_folders
     from fogreduce.diagnosis.diagnose import STEPS, diagnose
-    from fogreduce.diagnosis.report.words import captures_in_words
+    from fogreduce.diagnosis.report.words import announced, captures_in_words, in_detail
     from fogreduce.diagnosis.report.write import write
+    from fogreduce.metadata.bench import Bench
     from fogreduce.metadata.folder import load_campaign
 
+    bench = Bench() if args.bench is None else Bench.from_yaml(args.bench)
     names = (*STEPS, *(["verification"] if args.verify_next else []), "page")
     with _steps(names, args) as told:
-        diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, told)
+        diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, told, bench)
         if args.verify_next:
             told("verification")
-            _verify_next(diagnosis, campaign, without, only, args)
+            _verify_next(diagnosis, campaign, without, only, args.calibrations, bench)
         told("page")
         write(diagnosis, out, load_campaign(campaign).label)
     for line in captures_in_words(diagnosis.document):
         print(f"{campaign}: {line}", file=sys.stderr, flush=True)
-    causes = ", ".join(f"{c['effect']} {' '.join(c['channels'])}" for c in diagnosis.document["causes"])
-    print(f"{out}: {diagnosis.document['verdict']}{': ' if causes else ''}{causes}", flush=True)
-    tried = (diagnosis.document["next_run"] or {}).get("verified")
-    if tried is not None:
-        says = "tells its rivals apart" if tried["separated"] else "does not tell its rivals apart"
-        print(f"  the next run, simulated with each rival as the truth, {says}", flush=True)
+    print(f"{out}: {announced(diagnosis.document)}", flush=True)
+    if campaign_folders(args.campaign) is None:
+        lines = in_detail(diagnosis.document) + _of_next_run(diagnosis.document["next_run"], out)
+        print("".join(f"  {line}\n" for line in lines), end="", flush=True)
+
+
+def _of_next_run(found: Mapping[str, Any] | None, out: Path) -> list[str]:
+    """What to run next, where its file is, and what trying it showed."""
+    from fogreduce.diagnosis.report.next_run import RUN_FILE, motion
+
+    if found is None:
+        return []
+    lines = [f"next run: {motion(found)}: {out / RUN_FILE}"]
+    if "verified" in found:
+        says = (
+            "tells its rivals apart" if found["verified"]["separated"] else "does not tell its rivals apart"
+        )
+        lines.append(f"the next run, simulated with each rival as the truth, {says}")
+    return lines
 
 
 def _detectable(
@@ -178,11 +203,12 @@ def _verify_next(
     campaign: Path,
     without: Sequence[str],
     only: Sequence[str],
-    args: argparse.Namespace,
+    calibrations: Path,
+    bench: Bench,
 ) -> None:
     """Add to the document what the proposed run would bring."""
     from fogreduce.diagnosis.next.verify import verified
 
-    found = verified(diagnosis, campaign, args.calibrations, without, only)
+    found = verified(diagnosis, campaign, calibrations, without, only, bench)
     if found is not None:
         diagnosis.document["next_run"]["verified"] = found

@@ -19,19 +19,21 @@ from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
 from fogreduce.diagnosis.inference.tension import tensions
 from fogreduce.diagnosis.inference.verdict import verdict_of_sets
-from fogreduce.diagnosis.next import design
+from fogreduce.diagnosis.next.design import proposed
+from fogreduce.diagnosis.next.runs import ANY_BENCH
 from fogreduce.diagnosis.observe.assumptions import assumed
 from fogreduce.diagnosis.observe.data import Data, read_data
 from fogreduce.diagnosis.where import places as where
+from fogreduce.diagnosis.where.mistakes import mistakes
 from fogreduce.diagnosis.where.places import Place
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
+from fogreduce.metadata.bench import Bench
 
 SCHEMA = "fogreduce/diagnosis/1"
 #: The steps of a diagnosis, in order.
 STEPS = ("reading", "spectra", "search", "closure", "next run")
 _UNKNOWN = ("partly_explained", "unexplained")  # verdicts with something unknown in them
-_OTHER = {"channel_swap": "with", "crosstalk": "source"}  # the parameter that names another gyro
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,7 @@ def diagnose(
     only: Sequence[str] = (),
     simulated: Path | None = None,
     told: Callable[[str], None] = lambda step: None,
+    bench: Bench = ANY_BENCH,
 ) -> Diagnosis:
     """Diagnose a campaign folder.
 
@@ -79,6 +82,8 @@ def diagnose(
         A campaign folder whose captures are the prediction, in place of our own simulator's.
     told : callable
         Hears which of `STEPS` begins.
+    bench : Bench
+        What table and chamber can do: the next run stays within it.
     """
     for name in without:
         if name not in EFFECTS:
@@ -111,6 +116,7 @@ def diagnose(
         verdict = borne_out(verdict, closure, left)
     parts = {} if closure is None else shares(data.inputs, verdict.state.causes, closure)
     told("next run")
+    proposal = proposed(search, verdict, bench) if verdict.named else None
     document = {
         "schema": SCHEMA,
         "campaign": campaign.resolve().name,
@@ -130,7 +136,8 @@ def diagnose(
         "stamps_jump_s": {run.run_id: run.stamps.jump_s for run in data.full if run.stamps.jump_s},
         "assumed": assumed(data),
         "tension": [one.document() for one in tensions(data.inputs, verdict.state)],
-        "next_run": design.next_run(search, verdict) if verdict.named else None,
+        "mistakes": mistakes(data, verdict.word),
+        "next_run": None if proposal is None else proposal.document,
     }
     effects = [
         {"effect": c.effect, "channels": list(c.channels), "runs": list(c.runs), "parameters": c.parameters()}
@@ -191,7 +198,7 @@ def _cause(verdict: Verdict, one: Named, parts: Mapping[Key, Share]) -> dict[str
 
 def _other_gyro(key: Key) -> dict[str, Any]:
     """The parameter of a rival that names another gyro."""
-    name = _OTHER.get(key[0])
+    name = EFFECTS[key[0]].other
     return {"parameters": {name: {"value": key[3], "std": None}}} if name and key[3] else {}
 
 

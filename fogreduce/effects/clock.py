@@ -31,6 +31,7 @@ EFFECTS = (
         (Parameter("ppm", "ppm", "e", off=0.0, low=-9e5, high=1e6, realistic=(5, 500)),),
         {"ppm": 100.0},
         channels="clock",
+        words="runs fast or slow",
     ),
     Effect(
         "latency",
@@ -40,5 +41,6 @@ EFFECTS = (
         "digital filters and serial links of tactical-grade units: 0.5 to 20 ms; queues in software: 1 s",
         (Parameter("ms", "ms", "age", off=0.0, low=0.0, high=1e9, realistic=(0.5, 1000.0)),),
         {"ms": 500.0},
+        words="answers with readings that are already old",
     ),
 )

@@ -73,6 +73,7 @@ EFFECTS = (
         "data sheets of tactical-grade units: 20 to 500 Hz, so 0.3 to 8 ms; deliberate filters: 100 ms",
         (Parameter("time_constant_ms", "ms", "tau", off=0.0, low=0.0, high=1e9, realistic=(0.3, 100.0)),),
         {"time_constant_ms": 100.0},
+        words="is smoothed by a filter that the metadata do not state",
     ),
     Effect(
         "adc_nonlinearity",
@@ -82,9 +83,10 @@ EFFECTS = (
         "data sheets of 16 to 24 bit converters: integral nonlinearity 1 to 50 ppm of full scale",
         (
             Parameter("volts", "V", "A", off=0.0, low=-1e6, high=1e6, realistic=(1e-7, 1e-4)),
-            Parameter("period_volts", "V", "p", low=1e-12, high=1e9, realistic=(1e-4, 5.0)),
+            Parameter("period_volts", "V", "p", low=1e-12, high=1e9, realistic=(1e-4, 5.0), words="period"),
         ),
         {"volts": 2e-5, "period_volts": 5e-3},
+        words="is read by a converter whose steps are uneven, with a period in volts",
     ),
     Effect(
         "saturation",
@@ -94,6 +96,7 @@ EFFECTS = (
         "a converter's range: 1.25, 2.5, 5 or 10 V; a unit's rate range of 100 to 500 deg/s",
         (Parameter("volts", "V", "value", off=1e12, low=0.0, realistic=(0.05, 10.0)),),
         {"volts": 0.2},
+        words="is clipped at the end of its range",
     ),
     Effect(
         "lost_bits",
@@ -103,5 +106,6 @@ EFFECTS = (
         "converters with fewer true bits than the word: 1 to 8 bits",
         (Parameter("bits", "", "m", off=0, low=0, high=31, realistic=(1, 12), kind="integer"),),
         {"bits": 11},
+        words="is read with fewer true bits than the count has",
     ),
 )

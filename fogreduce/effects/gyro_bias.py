@@ -81,6 +81,7 @@ EFFECTS = (
         _TACTICAL,
         (Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 20.0)),),
         {"deg_h": 2.0},
+        words="reads off by a constant, the same in every run",
     ),
     Effect(
         "turn_on_bias",
@@ -90,6 +91,8 @@ EFFECTS = (
         "turn-on to turn-on repeatability of tactical-grade units' data sheets: 0.1 to 10 deg/h",
         (Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 10.0)),),
         {"deg_h": 2.0},
+        words="reads off by a constant in one run alone, more than the record allows from one "
+        "switching on to the next",
     ),
     Effect(
         "bias_ramp",
@@ -99,6 +102,7 @@ EFFECTS = (
         "rate ramp of IEEE Std 952, annex C; the slopes e of the paper's Table 4 are 0.1 to 3 deg/h/h",
         (Parameter("deg_h_per_h", "deg/h/h", "value", off=0.0, realistic=(0.05, 5.0)),),
         {"deg_h_per_h": 20.0},
+        words="drifts in a straight line from each run's start",
     ),
     Effect(
         "bias_step",
@@ -108,9 +112,10 @@ EFFECTS = (
         "hops of a source's mode or of a loop's lock, of the size of a turn-on bias",
         (
             Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 10.0)),
-            Parameter("time_s", "s", "when", low=-1e9, high=1e9, realistic=(0.0, 6000.0)),
+            Parameter("time_s", "s", "when", low=-1e9, high=1e9, realistic=(0.0, 6000.0), words="at"),
         ),
         {"deg_h": 2.0, "time_s": 120.0},
+        words="jumps once in one run and stays there",
     ),
     Effect(
         "warm_up",
@@ -120,9 +125,12 @@ EFFECTS = (
         "IEEE Std 952, warm-up time; data sheets of tactical-grade units: minutes to an hour to settle",
         (
             Parameter("deg_h", "deg/h", "A", off=0.0, realistic=(0.2, 20.0)),
-            Parameter("tau_s", "s", "tau", low=1e-6, high=1e9, realistic=(30.0, 3000.0)),
+            Parameter(
+                "tau_s", "s", "tau", low=1e-6, high=1e9, realistic=(30.0, 3000.0), words="time constant"
+            ),
         ),
         {"deg_h": 3.0, "tau_s": 60.0},
+        words="settles exponentially after each run's start",
     ),
     Effect(
         "temperature_bias",
@@ -133,6 +141,7 @@ EFFECTS = (
         (Parameter("deg_h_per_degC", "deg/h/degC", "k", off=0.0, realistic=(0.02, 2.0)),),
         {"deg_h_per_degC": 2.0},
         needs_temperature=True,
+        words="reads off in proportion to how far its sensor has warmed",
     ),
     Effect(
         "temperature_rate_bias",
@@ -143,6 +152,7 @@ EFFECTS = (
         (Parameter("deg_h_per_degC_per_min", "deg/h/(degC/min)", "k", off=0.0, realistic=(0.05, 10.0)),),
         {"deg_h_per_degC_per_min": 10.0},
         needs_temperature=True,
+        words="reads off in proportion to how fast its sensor warms (Shupe effect)",
     ),
     Effect(
         "acceleration_bias",
@@ -152,6 +162,7 @@ EFFECTS = (
         "IEEE Std 952, acceleration-sensitive drift: small in a fibre-optic gyro, up to 1 deg/h/g",
         (Parameter("deg_h_per_g", "deg/h/g", "k", off=0.0, realistic=(0.01, 1.0)),),
         {"deg_h_per_g": 2.0},
+        words="reads off in proportion to gravity along its axis",
     ),
     Effect(
         "magnetic_bias",
@@ -162,9 +173,17 @@ EFFECTS = (
         "in Earth's field of 0.25 to 0.65 gauss",
         (
             Parameter("deg_h", "deg/h", "k", off=0.0, realistic=(0.05, 5.0)),
-            Parameter("field_direction", "", "F, east, north, up; normalised", kind="vector"),
+            Parameter(
+                "field_direction",
+                "",
+                "F, east, north, up; normalised",
+                kind="vector",
+                words="toward",
+                frame="room",
+            ),
         ),
         {"deg_h": 2.0, "field_direction": (0.0, 0.8, 0.6)},
+        words="reads off in proportion to a magnetic field along its axis, a field fixed in the room",
     ),
 )
 
@@ -185,8 +204,10 @@ AXIS_EFFECTS = (
                 high=1e3,
                 realistic=(0.05, 3.0),
                 kind="vector",
+                frame="unit",
             ),
         ),
         {"mrad": (1.0, 0.0, 0.5)},
+        words="has its input axis tipped",
     ),
 )

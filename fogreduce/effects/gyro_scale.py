@@ -59,6 +59,7 @@ EFFECTS = (
         (Parameter("ppm_per_degC", "ppm/degC", "k", off=0.0, low=-1e6, high=1e6, realistic=(1, 200)),),
         {"ppm_per_degC": 100.0},
         needs_temperature=True,
+        words="has a scale factor that goes with the temperature of its sensor",
     ),
     Effect(
         "scale_factor_error",
@@ -69,6 +70,7 @@ EFFECTS = (
         "hundreds of ppm; calibrated on a table: tens",
         (Parameter("ppm", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(10, 1000)),),
         {"ppm": 100.0},
+        words="has another scale factor than stated",
     ),
     Effect(
         "scale_factor_asymmetry",
@@ -78,6 +80,7 @@ EFFECTS = (
         "IEEE Std 952, scale factor asymmetry: 1 to 100 ppm",
         (Parameter("ppm", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(5, 200)),),
         {"ppm": 100.0},
+        words="has one scale factor for turns one way and another for turns the other way",
     ),
     Effect(
         "scale_factor_nonlinearity",
@@ -87,6 +90,7 @@ EFFECTS = (
         "IEEE Std 952, scale factor nonlinearity; data sheets of tactical-grade units: 10 to 1000 ppm",
         (Parameter("ppm_at_10_deg_s", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(5, 500)),),
         {"ppm_at_10_deg_s": 100.0},
+        words="has a scale factor that goes with the square of the rate",
     ),
     Effect(
         "crosstalk",
@@ -99,6 +103,7 @@ EFFECTS = (
             Parameter("source", "", "gyro j", kind="gyro"),
         ),
         {"ppm": 300.0, "source": "gyro1"},
+        words="picks up a share of what another gyro reads",
     ),
     Effect(
         "dead_zone",
@@ -113,5 +118,6 @@ EFFECTS = (
             ),
         ),
         {"deg_h": 40.0, "kind": "threshold"},
+        words="reads nothing while the rate is smaller than a threshold",
     ),
 )

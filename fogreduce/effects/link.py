@@ -70,6 +70,7 @@ EFFECTS = (
         _LINK,
         (_fraction(),),
         {"fraction": 0.01},
+        words="misses answers",
     ),
     Effect(
         "spikes",
@@ -79,6 +80,7 @@ EFFECTS = (
         _LINK,
         (_fraction(),),
         {"fraction": 1e-3},
+        words="gives spurious counts now and then",
     ),
     Effect(
         "stuck_samples",
@@ -88,6 +90,7 @@ EFFECTS = (
         "two clocks without a handshake: the share by which their rates differ, 1e-5 to 1e-1",
         (_fraction(),),
         {"fraction": 0.5},
+        words="repeats its last count now and then",
     ),
     Effect(
         "channel_swap",
@@ -98,6 +101,7 @@ EFFECTS = (
         (Parameter("with", "", "the other gyro", kind="gyro"),),
         {"with": "gyro1"},
         mutual="with",
+        words="has its column exchanged with another gyro's",
     ),
     Effect(
         "polarity_error",
@@ -107,5 +111,6 @@ EFFECTS = (
         "a mistake of wiring: there or not",
         (),
         {},
+        words="has the other sign than stated",
     ),
 )

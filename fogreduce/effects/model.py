@@ -69,6 +69,10 @@ class Parameter:
         The words of a ``choice``.
     drawn : bool
         Where not given, it is drawn afresh in each run.
+    words : str
+        What stands before its value where it is not the effect's size: "time constant", say.
+    frame : str
+        Of a vector: ``unit`` (x, y, z) or ``room`` (east, north, up).
     """
 
     name: str
@@ -82,6 +86,8 @@ class Parameter:
     kind: str = "number"
     choices: tuple[str, ...] = ()
     drawn: bool = False
+    words: str = ""
+    frame: str = ""
 
     def unit_in(self, raw_unit: str) -> str:
         """Its unit for gyros that are read in `raw_unit`, which then stands in place of V."""
@@ -94,7 +100,9 @@ class Parameter:
 
 
 #: A phase that is drawn for each run where it is not given.
-PHASE = Parameter("phase_rad", "rad", "phase at t = 0 (drawn for each run if not given)", drawn=True)
+PHASE = Parameter(
+    "phase_rad", "rad", "phase at t = 0 (drawn for each run if not given)", drawn=True, words="phase"
+)
 
 
 @dataclass(frozen=True)
@@ -109,6 +117,8 @@ class Effect:
         Where it acts.
     equation : str
         What changes, in the contract's symbols.
+    words : str
+        The same for who does not know the symbols: the end of a sentence that begins with the channel.
     parameters : tuple of Parameter
     forward : callable
         ``forward(value, parameters, at) -> value``.
@@ -137,6 +147,22 @@ class Effect:
     needs_temperature: bool = False
     mutual: str = ""
     smallest_group: int = 1
+    words: str = ""
+
+    @property
+    def title(self) -> str:
+        """Its name in words."""
+        return self.name.replace("_", " ")
+
+    @property
+    def other(self) -> str:
+        """The parameter that names another gyro; empty where none does."""
+        return next((p.name for p in self.parameters if p.kind == "gyro"), "")
+
+    @property
+    def needs_pair(self) -> bool:
+        """Whether it takes two gyros."""
+        return bool(self.other) or self.smallest_group > 1
 
     @property
     def off(self) -> dict[str, Any] | None:

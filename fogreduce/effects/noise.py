@@ -87,6 +87,7 @@ EFFECTS = (
         "quiet units 0.001 to 0.01",
         (Parameter("deg_sqrt_h", "deg/sqrt(h)", "N", low=0.0, high=1e6, realistic=(0.001, 0.1)),),
         {"deg_sqrt_h": 0.01},
+        words="has another level of white noise than stated",
     ),
     Effect(
         "bias_instability",
@@ -96,6 +97,7 @@ EFFECTS = (
         "IEEE Std 952, annex C; tactical-grade data sheets: 0.05 to 1 deg/h",
         (Parameter("deg_h", "deg/h", "B", off=0.0, low=0.0, high=1e9, realistic=(0.05, 5.0)),),
         {"deg_h": 2.0},
+        words="has flicker noise beyond what is stated",
     ),
     Effect(
         "rate_random_walk",
@@ -109,6 +111,7 @@ EFFECTS = (
             ),
         ),
         {"deg_h_sqrt_h": 10.0},
+        words="wanders in a random walk beyond what is stated",
     ),
     Effect(
         "common_noise",
@@ -120,6 +123,7 @@ EFFECTS = (
         (Parameter("correlation", "", "r", off=0.0, low=-1.0, high=1.0, realistic=(0.05, 0.9)),),
         {"correlation": 0.9},
         smallest_group=2,
+        words="share a part of their white noise",
     ),
     Effect(
         "periodic_interference",
@@ -129,9 +133,10 @@ EFFECTS = (
         "mains, switching supplies and dither pick-up aliased by the sampling: 0.1 to 100 deg/h",
         (
             Parameter("deg_h", "deg/h", "A", off=0.0, realistic=(0.2, 100.0)),
-            Parameter("frequency_hz", "Hz", "f", low=0.0, high=1e6, realistic=(0.01, 64.0)),
+            Parameter("frequency_hz", "Hz", "f", low=0.0, high=1e6, realistic=(0.01, 64.0), words="at"),
             PHASE,
         ),
         {"deg_h": 20.0, "frequency_hz": 0.02, "phase_rad": 0.0},
+        words="shows a line: a sine of one frequency",
     ),
 )

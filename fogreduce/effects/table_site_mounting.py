@@ -77,6 +77,7 @@ EFFECTS = (
         (Parameter("ppm", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(5, 100)),),
         {"ppm": 100.0},
         channels="table",
+        words="turns faster or slower than commanded by a fixed share",
     ),
     Effect(
         "table_rate_ripple",
@@ -87,11 +88,21 @@ EFFECTS = (
         "harmonics of the encoder's eccentricity (1, 2) and of the motor's poles",
         (
             Parameter("ppm", "ppm", "A", off=0.0, low=-1e6, high=1e6, realistic=(20, 1000)),
-            Parameter("harmonic", "", "n", low=1, high=100_000, realistic=(1, 36), kind="integer"),
+            Parameter(
+                "harmonic",
+                "",
+                "n",
+                low=1,
+                high=100_000,
+                realistic=(1, 36),
+                kind="integer",
+                words="harmonic",
+            ),
             PHASE,
         ),
         {"ppm": 200.0, "harmonic": 2, "phase_rad": 0.5},
         channels="table",
+        words="turns unevenly, with a wave that returns with its angle",
     ),
     Effect(
         "heading_error",
@@ -102,6 +113,7 @@ EFFECTS = (
         (Parameter("deg", "deg", "value", off=0.0, low=-360.0, high=360.0, realistic=(0.1, 2.0)),),
         {"deg": 1.0},
         channels="table",
+        words="points another way than stated: the azimuth is off",
     ),
     Effect(
         "latitude_error",
@@ -112,6 +124,7 @@ EFFECTS = (
         (Parameter("deg", "deg", "value", off=0.0, low=-180.0, high=180.0, realistic=(0.02, 1.0)),),
         {"deg": 0.5},
         channels="table",
+        words="stands at another latitude than stated",
     ),
     Effect(
         "rotation_sense",
@@ -122,6 +135,7 @@ EFFECTS = (
         (),
         {},
         channels="table",
+        words="turns the other way than commanded",
     ),
     Effect(
         "start_offset",
@@ -132,6 +146,7 @@ EFFECTS = (
         (Parameter("s", "s", "delay", off=0.0, low=-1e6, high=1e6, realistic=(0.01, 5.0)),),
         {"s": 2.0},
         channels="table",
+        words="begins its profile later than the capture begins",
     ),
     Effect(
         "mount_rotation",
@@ -149,10 +164,12 @@ EFFECTS = (
                 high=1e3,
                 realistic=(0.1, 3.0),
                 kind="vector",
+                frame="unit",
             ),
         ),
         {"mrad": (0.0, 1.0, 0.0)},
         channels="table",
+        words="holds the unit turned by a small angle",
     ),
     Effect(
         "base_motion",
@@ -162,11 +179,14 @@ EFFECTS = (
         "angular vibration of a laboratory's floor, 0.1 to 30 Hz; machinery at 25 to 30 Hz",
         (
             Parameter("deg_h", "deg/h", "A", off=0.0, realistic=(0.5, 50.0)),
-            Parameter("frequency_hz", "Hz", "f", low=0.0, high=1e6, realistic=(0.1, 60.0)),
-            Parameter("axis", "", "u, a direction in the unit frame", kind="vector"),
+            Parameter("frequency_hz", "Hz", "f", low=0.0, high=1e6, realistic=(0.1, 60.0), words="at"),
+            Parameter(
+                "axis", "", "u, a direction in the unit frame", kind="vector", words="about", frame="unit"
+            ),
             PHASE,
         ),
         {"deg_h": 20.0, "frequency_hz": 0.02, "axis": (1.0, 0.0, 0.0), "phase_rad": 0.0},
         channels="table",
+        words="is shaken by an angular vibration of the floor",
     ),
 )

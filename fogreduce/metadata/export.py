@@ -14,6 +14,7 @@ from typing import Any
 from pydantic import BaseModel, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 
+from fogreduce.metadata.bench import Bench
 from fogreduce.metadata.calibration import record_in
 from fogreduce.metadata.campaign import Campaign
 from fogreduce.metadata.config import WorkflowConfig
@@ -30,6 +31,7 @@ SCHEMAS: dict[str, Any] = {
     "curves": Curves,
     "config": WorkflowConfig,
     "effects": EffectsFile,
+    "bench": Bench,
 }
 
 _HEAD = """\

@@ -1,4 +1,8 @@
-"""Figures of pages as SVG text: points with error bars in panels, drawn without a plotting library."""
+"""Figures of pages as SVG text, drawn without a plotting library: points with error bars, traces, bars, maps.
+
+Traces, bars and maps take the width that they are drawn for: `WIDE`, or `SLIM` for a phone, on which a wide
+figure's words could not be read.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +11,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from html import escape
 
+import numpy as np
 from markupsafe import Markup
+from numpy.typing import NDArray
 
 from fogreduce.pages import numbers
+
+Array = NDArray[np.float64]
 
 INK, POINT, PALE, QUIET, WARNING = "#222222", "#1d4f80", "#86a3c3", "#5f5f5f", "#a3123a"
 _WIDTH, _LEFT, _RIGHT, _TOP = 960, 128, 14, 10
@@ -18,6 +26,13 @@ _GAP = 14
 _FAR = 12.0
 #: Among more points than these, error bars step back.
 _MANY = 200
+#: Widths of traces, bars and maps, for a screen and for a phone held upright.
+WIDE, SLIM = 900, 366
+#: What was before and what is after.
+BEFORE, AFTER = WARNING, POINT
+_PANEL, _EMPTY = 110.0, "#eeeeee"
+_MOST_POINTS = 360  # of a whole trace: what is between them is averaged, so that noise hides less
+_LETTER = 6.5  # room that a letter takes
 
 
 Place = Callable[[float], float]
@@ -95,10 +110,10 @@ def points(
     return whole(top + 12, body, label)
 
 
-def whole(height: float, body: Sequence[str], label: str) -> Markup:
-    """A figure as wide as a page, which says what it shows."""
+def whole(height: float, body: Sequence[str], label: str, width: float = _WIDTH) -> Markup:
+    """A figure, as wide as a page unless said otherwise, which says what it shows."""
     return Markup(
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height:.0f}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height:.0f}" role="img" '
         f'aria-label="{escape(label)}" font-family="sans-serif" font-size="12">' + "".join(body) + "</svg>"
     )
 
@@ -248,9 +263,173 @@ def _grid(low: float, high: float, y: Place) -> str:
 
 
 def _text(
-    x: float, y: float, text: str, anchor: str = "start", colour: str = INK, *, bold: bool = False
+    x: float,
+    y: float,
+    text: str,
+    anchor: str = "start",
+    colour: str = INK,
+    *,
+    bold: bool = False,
+    size: int = 0,
 ) -> str:
-    weight = ' font-weight="bold"' if bold else ""
-    return (
-        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}"{weight}>{escape(text)}</text>'
-    )
+    more = ' font-weight="bold"' if bold else ""
+    more += f' font-size="{size}"' if size else ""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}"{more}>{escape(text)}</text>'
+
+
+def _stand_alone(height: float, body: Sequence[str], label: str, width: float) -> str:
+    """A figure that is a file too: on white."""
+    ground = f'<rect width="{width}" height="{height:.0f}" fill="white"/>'
+    return str(whole(height, [ground, *body], label, width)) + "\n"
+
+
+def traces(
+    panels: Sequence[tuple[str, Array | None, Array | None]],
+    runs: Sequence[tuple[str, int]],
+    unit: str,
+    label: str,
+    width: float = WIDE,
+) -> str:
+    """Panels one above the other, each with what was before and what is after.
+
+    Parameters
+    ----------
+    panels : sequence of (name, before (N,) or None, after (N,) or None)
+        None: that line is not drawn.
+    runs : sequence of (name, points)
+        Runs one after the other; their points sum to N.
+    unit : str
+    label : str
+        What the figure shows, for who cannot see it.
+    width : float
+    """
+    left, right = (90.0, 12.0) if width > 2 * SLIM else (44.0, 6.0)
+    inner, top = width - left - right, 26.0
+    before_too = any(before is not None for _, before, _ in panels)
+    changed = any(after is not None for _, _, after in panels)
+    body = [_text(width - right, 16, unit, "end", QUIET)]
+    if before_too:
+        body.append(_text(left, 16, "before" if changed else "measured less predicted", colour=BEFORE))
+    if changed:
+        body.append(_text(left + 50 * before_too, 16, "after: causes in the simulator", colour=AFTER))
+    ends = np.cumsum([0, *(count for _, count in runs)])
+    whole_run = max(int(ends[-1]), 1)
+    for name, before, after in panels:
+        lines = [(values, ink) for values, ink in ((before, BEFORE), (after, AFTER)) if values is not None]
+        drawn = [(_means(values, ends), ink) for values, ink in lines]
+        body += _trace(name, drawn, (left, top, inner), whole_run)
+        top += _PANEL
+    room = -1.0
+    for (name, _), start in zip(runs, ends[:-1].tolist(), strict=True):
+        at = left + inner * start / whole_run
+        body.append(f'<path d="M{at:.1f},26V{top - 8:.1f}" stroke="#bbbbbb" stroke-dasharray="3 3"/>')
+        if at >= room:  # where names would run into each other, some are left out
+            body.append(_text(at + 3, top + 6, name, colour=QUIET, size=11))
+            room = at + 9 + _LETTER * len(name)
+    return _stand_alone(top + 14, body, label, width)
+
+
+def _trace(
+    name: str,
+    drawn: Sequence[tuple[list[tuple[Array, Array]], str]],
+    place: tuple[float, float, float],
+    whole_run: int,
+) -> list[str]:
+    """One panel of `traces`, its frame, scale and lines; `place`: left, top and inner width."""
+    left, top, inner = place
+    largest = max((float(np.max(np.abs(y))) for parts, _ in drawn for _, y in parts), default=0.0) or 1e-12
+    middle, scale = top + (_PANEL - 8) / 2.0, ((_PANEL - 8) / 2.0 - 5.0) / largest
+    body = [
+        f'<rect x="{left}" y="{top:.1f}" width="{inner}" height="{_PANEL - 8}" fill="none" '
+        'stroke="#999999"/>',
+        f'<path d="M{left},{middle:.1f}h{inner}" stroke="#cccccc"/>',
+        _text(left + 6 if left < 60 else 8, top + 14 if left < 60 else middle + 4, name),
+    ]
+    for value, height in ((largest, top + 12), (0.0, middle + 4), (-largest, top + _PANEL - 12)):
+        body.append(_text(left - 4, height, f"{value:.2g}", "end", QUIET, size=10))
+    for parts, ink in drawn:
+        for x, y in parts:
+            across = left + inner * x / whole_run
+            points = " ".join(f"{a:.1f},{middle - scale * b:.1f}" for a, b in zip(across, y, strict=True))
+            body.append(f'<polyline points="{points}" fill="none" stroke="{ink}" stroke-width="1.2"/>')
+    return body
+
+
+def _means(values: Array, ends: NDArray[np.int_]) -> list[tuple[Array, Array]]:
+    """Positions and means of each run's points, so many together; no line runs from one run to the next."""
+    step, out = max(1, int(ends[-1]) // _MOST_POINTS), []
+    for start, end in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True):
+        size = min(step, max(end - start, 1))
+        last = start + (end - start) // size * size
+        y = values[start:last].reshape(-1, size).mean(axis=1)
+        out.append((start + size * (np.arange(len(y)) + 0.5), y))
+    return [part for part in out if len(part[1])]
+
+
+def bars(
+    rows: Sequence[tuple[str, float, str]],
+    label: str,
+    colour: str = AFTER,
+    full: float | None = None,
+    width: float = WIDE,
+) -> str:
+    """Horizontal bars from 0: (name, length, what stands behind it); `full`: what a full bar is.
+
+    Negative lengths are drawn as none. In a slim figure names stand above their bars.
+    """
+    largest = full or max([abs(length) for _, length, _ in rows] or [1.0]) or 1.0
+    slim = width <= 2 * SLIM
+    left, step, low, body = (0.0, 46, 20, []) if slim else (360.0, 26, 0, [])
+    room = width - left - (0 if slim else 150)
+    for k, (name, length, text) in enumerate(rows):
+        y = 8 + step * k
+        long = max(min(max(length, 0.0) / largest, 1.0) * room, 1.0)
+        body.append(_text(*((0, y + 14, name) if slim else (left - 8, y + 14, name, "end"))))
+        if full:
+            body.append(f'<rect x="{left}" y="{y + low}" width="{room}" height="18" fill="{_EMPTY}"/>')
+        body.append(f'<rect x="{left}" y="{y + low}" width="{long:.1f}" height="18" fill="{colour}"/>')
+        if slim:
+            body.append(_text(width, y + 14, text, "end", QUIET))
+        else:
+            body.append(_text(left + (room if full else long) + 6, y + 14, text, colour=QUIET))
+    return _stand_alone(16 + step * len(rows), body, label, width)
+
+
+def grid(
+    rows: Sequence[str],
+    columns: Sequence[str],
+    values: Array,
+    words: Sequence[Sequence[str]],
+    label: str,
+    width: float = WIDE,
+) -> str:
+    """A map: cells (rows, columns), the darker the larger, with number and word where they fit; 0: empty."""
+    left = 90.0 if width > 2 * SLIM else 44.0
+    wide, high = (width - left - 4) / max(len(columns), 1), 34
+    top = max(float(np.max(values)), 5.0)
+    body, room = [], -1.0
+    for c, name in enumerate(columns):
+        middle, half = left + wide * (c + 0.5), 0.5 * _LETTER * len(name)
+        if middle - half >= room:
+            body.append(_text(middle, 16, name, "middle", QUIET, size=11))
+            room = middle + half + 4
+    for r, name in enumerate(rows):
+        y = 24 + high * r
+        body.append(_text(left - 6, y + 21, name, "end"))
+        for c in range(len(columns)):
+            value, x = float(values[r, c]), left + wide * c
+            deep = math.log(max(value, 4.0) / 4.0) / max(math.log(top / 4.0), 0.5)
+            shade = 0.25 + 0.75 * min(deep, 1.0) if value > 0.0 else 1.0
+            fill, place = (BEFORE if value > 0.0 else _EMPTY), f'x="{x:.1f}" y="{y}" width="{wide - 2:.1f}"'
+            body.append(f'<rect {place} height="{high - 2}" fill="{fill}" fill-opacity="{shade:.2f}"/>')
+            if value > 0.0:
+                ink = "#ffffff" if shade > 0.6 else INK
+                lines = [(f"{value:.3g}", 20), ("", 0)]
+                if _LETTER * len(words[r][c]) < wide:
+                    lines = [(f"{value:.3g} sigma", 14), (words[r][c], 27)]
+                body += [
+                    _text(x + wide / 2, y + down, text, "middle", ink, size=11)
+                    for text, down in lines
+                    if text and _LETTER * len(text) < wide + 6
+                ]
+    return _stand_alone(30 + high * len(rows), body, label, width)

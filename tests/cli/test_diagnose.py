@@ -73,6 +73,46 @@ def test_another_simulators_captures_as_the_prediction(tmp_path) -> None:
     assert same["verdict"] == "no_gap"
 
 
+@pytest.mark.parametrize(
+    ("effect", "channels", "run", "looks_like"),
+    [
+        ("rotation_sense", ["table"], "r1", "the table turning the other way"),
+        ("polarity_error", ["gyro3"], "r2", "the other sign: gyro3"),
+    ],
+)
+def test_a_wrong_sign_in_one_run_is_named_for_that_run(
+    tmp_path, capsys, effect, channels, run, looks_like
+) -> None:
+    lab(tmp_path)
+    entry = {"effect": effect, "channels": channels, "runs": [run], "parameters": {}}
+    bench = simulated(tmp_path, [entry])
+    capsys.readouterr()
+    found = diagnosed(tmp_path, bench)
+    assert [one["run"] for one in found["mistakes"]] == [run]
+    assert looks_like in found["mistakes"][0]["looks_like"][0]
+    assert f"{run} looks like" in capsys.readouterr().out
+    assert f"{run} looks like" in (tmp_path / "out-bench" / "index.html").read_text()
+
+
+def test_the_next_run_is_ready_to_use(tmp_path, capsys) -> None:
+    lab(tmp_path)
+    offset = {"effect": "bias_offset", "channels": ["gyro2"], "runs": ["*"], "parameters": {"deg_h": 40.0}}
+    bench = simulated(tmp_path, [offset])
+    limits = tmp_path / "limits.yaml"
+    limits.write_text("schema: fogreduce/bench/1\ntable: {largest_rate_deg_s: 3}\n")
+    capsys.readouterr()
+    found = diagnosed(tmp_path, bench, "--only-runs", "r0", "--bench", str(limits))
+    out = tmp_path / "out-bench"
+    assert "next run: turning at" in (said := capsys.readouterr().out)
+    assert f"{out / 'next-run' / 'run.yaml'}" in said
+    assert abs(found["next_run"]["table"]["profile"][0]["rate_deg_s"]) <= 3.0
+    folder = tmp_path / "next" / "runs" / "next-run"
+    folder.mkdir(parents=True)
+    (folder / "run.yaml").write_bytes((out / "next-run" / "run.yaml").read_bytes())
+    arguments = ["simulate", str(tmp_path / "next"), "--calibrations", str(tmp_path / "cal")]
+    assert main([*arguments, "--out", str(tmp_path / "made")]) == 0
+
+
 def test_one_gyro_and_a_slow_log(tmp_path) -> None:
     lab(tmp_path, ONE_GYRO, rate_hz=0.2, duration_s=1200.0)
     entry = {"effect": "bias_step", "channels": ["gyro1"], "runs": ["r5"]}
@@ -89,6 +129,7 @@ def test_one_gyro_and_a_slow_log(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("more", "says"),
     [
+        (["--bench", "limits.yaml"], "limits.yaml"),
         (["--without", "gremlins"], "--without: found gremlins; expected an effect of the catalogue"),
         (["--only-runs", "r9"], "--only-runs: found r9; expected one of r0"),
     ],

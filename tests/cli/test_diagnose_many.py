@@ -31,7 +31,7 @@ def run(root: Path, *words: str) -> int:
 def test_a_folder_of_campaigns_gives_each_what_it_gets_alone(made, tmp_path, capsys) -> None:
     assert run(made, str(made / "many"), "--out", str(tmp_path / "out")) == 0
     said = capsys.readouterr().out.splitlines()
-    assert [line.split(": ")[1] for line in said] == ["no_gap", "explained"]
+    assert [line.split(": ")[1] for line in said] == ["no gap", "explained"]
     for name in ("with-ramp", "with-nothing"):
         assert run(made, str(made / "many" / name), "--out", str(tmp_path / name)) == 0
         files = {p.relative_to(tmp_path / name) for p in (tmp_path / name).rglob("*") if p.is_file()}

@@ -147,17 +147,26 @@ class Cause:
                 size = float(np.hypot(self.theta["cos"], self.theta["sin"]))
                 std = s.get("cos", 0.0) / size if size else None
             elif name == "deg_h" and "field[0]" in self.theta:
-                std = self._length_std()
+                std = self._length_std([f"field[{k}]" for k in range(3)])
             elif name == "mrad" and self.tips is not None:
                 std = self._tip_std(self.tips).tolist()
             elif name == "mrad":
                 std = [s.get(f"mrad[{k}]", 0.0) for k in range(3)]
             out[name] = {"value": value, "std": std}
+            if name == "mrad":
+                out[name] |= self._size_and_direction(value)
         return out
 
-    def _length_std(self) -> float:
-        """Of the length of a vector: to first order along it, to second across it."""
-        vector = np.array([self.theta[f"field[{k}]"] for k in range(3)])
+    def _size_and_direction(self, vector: Sequence[float]) -> dict[str, Any]:
+        """A small rotation or tip as a length with its error and a unit vector."""
+        size = float(np.linalg.norm(vector))
+        direction = (np.array(vector) / size).tolist() if size > 0.0 else [0.0, 0.0, 0.0]
+        names = ["tip[0]", "tip[1]"] if self.tips is not None else [f"mrad[{k}]" for k in range(3)]
+        return {"size": size, "size_std": self._length_std(names), "direction": direction}
+
+    def _length_std(self, names: Sequence[str]) -> float:
+        """Of the length of a vector of these components: to first order along it, to second across it."""
+        vector = np.array([self.theta[name] for name in names])
         length = max(float(np.linalg.norm(vector)), 1e-12)
         if self.spread is None:
             return 0.0

@@ -21,10 +21,12 @@ from fogreduce.diagnosis.inference.noise_model import Metric, Whitener, nuisance
 from fogreduce.diagnosis.inference.outcome import Named, Verdict
 from fogreduce.diagnosis.inference.search import Option, Search
 from fogreduce.diagnosis.next.runs import (
+    ANY_BENCH,
     DURATIONS,
     RUN_ID,
     Proposal,
     as_input,
+    lasting,
     longest_s,
     proposals,
     temperature,
@@ -32,6 +34,7 @@ from fogreduce.diagnosis.next.runs import (
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.report.words import named
 from fogreduce.effects.table import EFFECTS
+from fogreduce.metadata.bench import Bench
 
 Array = NDArray[np.float64]
 
@@ -64,14 +67,16 @@ class NextRun:
     document: dict[str, Any]
 
 
-def next_run(search: Search, verdict: Verdict) -> dict[str, Any] | None:
-    """The run that best separates rivals, as a diagnosis has it; None where no group has any."""
-    best = proposed(search, verdict)
-    return None if best is None else best.document
+def proposed(search: Search, verdict: Verdict, limits: Bench = ANY_BENCH) -> NextRun | None:
+    """The run that best separates the rivals of the cause that is least sure; None where none has any.
 
-
-def proposed(search: Search, verdict: Verdict) -> NextRun | None:
-    """The run that best separates the rivals of the cause that is least sure; None where none has any."""
+    Parameters
+    ----------
+    search, verdict :
+        The diagnosis of today's runs.
+    limits : Bench
+        What table and chamber can do.
+    """
     doubtful = [one for one in verdict.named if len(one.group) > 1]
     if not doubtful:
         return None
@@ -81,30 +86,30 @@ def proposed(search: Search, verdict: Verdict) -> NextRun | None:
     rivals = (own, *(o.cause() for o, _ in others))
     weight = np.array([max(one.probability, 1e-3), *(max(p, 1e-3) for _, p in others)])
     evidence = _evidence(one, own, [o for o, _ in others])
-    bench = _Bench(search, rivals, evidence, _today(search, verdict, rivals))
+    held = _Rivals(search, rivals, evidence, _today(search, verdict, rivals))
     soaks = any(EFFECTS[c.effect].needs_temperature and not c.unlogged for c in rivals)
-    motion = _best(bench, list(proposals(search.data.inputs, soaks)), weight)
+    motion = _best(held, list(proposals(search.data.inputs, soaks, limits)), weight)
     # no longer than it takes; where no length is enough, the longest
     chosen, separation = motion, np.zeros((len(rivals), len(rivals)))
     for part in DURATIONS:
         seconds = float(round(part * longest_s(search.data.inputs), 3))
-        chosen = replace(motion, duration_s=seconds)
-        separation = bench.separation(chosen)
+        chosen = lasting(motion, seconds, search.data.inputs, limits)
+        separation = held.separation(chosen)
         if _least(separation, weight, _WORTH)[0] >= _ENOUGH:
             break
     document = _document(search.data.inputs, chosen, rivals, separation, weight)
     return NextRun(chosen, one, rivals, separation, document)
 
 
-def _best(bench: _Bench, runs: Sequence[Proposal], weight: Array) -> Proposal:
+def _best(held: _Rivals, runs: Sequence[Proposal], weight: Array) -> Proposal:
     """The run with the least confusion; what cannot beat the best so far is not looked at closely."""
     # stated uncertainties can only hide a difference: without them confusion is the least that it may be
-    least = [_confusion(bench.separation(run, stated=False), weight) for run in runs]
+    least = [_confusion(held.separation(run, stated=False), weight) for run in runs]
     best: tuple[float, Proposal] = (np.inf, runs[0])
     for bound, run in sorted(zip(least, runs, strict=True), key=lambda pair: pair[0]):
         if bound >= best[0]:
             break
-        best = min(best, (_confusion(bench.separation(run), weight), run), key=lambda pair: pair[0])
+        best = min(best, (_confusion(held.separation(run), weight), run), key=lambda pair: pair[0])
     return best[1]
 
 
@@ -162,8 +167,8 @@ def _least(separation: Array, weight: Array, enough: float = _ENOUGH) -> tuple[f
 
 
 @dataclass
-class _Bench:
-    """Rivals held against runs that might be next."""
+class _Rivals:
+    """Rivals set against runs that might be next."""
 
     search: Search
     rivals: Sequence[Cause]
@@ -259,6 +264,6 @@ def _document(
     log = temperature(inputs, proposal)
     if log is not None:
         start, end = float(log.sensor_degC[0]), float(log.sensor_degC[-1])
-        warmed = [{"time_s": proposal.duration_s / 2.0, "sensor_degC": end}] if proposal.soak else []
+        warmed = [{"time_s": proposal.duration_s / 2.0, "sensor_degC": end}] if proposal.soak_degC else []
         out["temperature"] = [{"time_s": 0.0, "sensor_degC": start}, *warmed]
     return out

@@ -16,9 +16,10 @@ from fogreduce.datasets.atomic import write_text
 from fogreduce.diagnosis.diagnose import Diagnosis, diagnose, plain
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.next.design import NextRun, proposed
-from fogreduce.diagnosis.next.runs import RUN_ID, run_document, temperature
+from fogreduce.diagnosis.next.runs import ANY_BENCH, RUN_ID, run_document, temperature, temperature_text
 from fogreduce.diagnosis.report.words import in_words, named
 from fogreduce.errors import BadInput
+from fogreduce.metadata.bench import Bench
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.simulate.campaign import write_campaign
 from fogreduce.simulate.plan import Options, prepare
@@ -34,6 +35,7 @@ def verified(
     calibrations: Path,
     without: Sequence[str] = (),
     only: Sequence[str] = (),
+    bench: Bench = ANY_BENCH,
 ) -> dict[str, Any] | None:
     """What `next_run` gets as ``verified``; None where no run is proposed.
 
@@ -42,7 +44,7 @@ def verified(
     diagnosis : Diagnosis
         Of the campaign's captures.
     campaign, calibrations : Path
-    without, only :
+    without, only, bench :
         As it was made.
 
     Returns
@@ -51,7 +53,7 @@ def verified(
         ``separated``: whether every rival that the run is to separate was found when it was the truth, and
         no other of them with it; ``truths``: for each, what the second diagnosis said.
     """
-    best = proposed(diagnosis.search, diagnosis.verdict)
+    best = proposed(diagnosis.search, diagnosis.verdict, bench)
     if best is None:
         return None
     if (campaign / "runs" / RUN_ID).exists():
@@ -107,9 +109,7 @@ def _campaign(
     here = plan_folder / "runs" / RUN_ID
     write_text(here / "run.yaml", dump_yaml(run_document(inputs[0].run, best.proposal, log is not None)))
     if log is not None:
-        rows = zip(log.time_s.tolist(), log.sensor_degC.tolist(), strict=True)
-        lines = "".join(f"{t:.6g},{s:.6g}\n" for t, s in rows)
-        write_text(here / "temperature.csv", "time_s,sensor_degC\n" + lines)
+        write_text(here / "temperature.csv", temperature_text(log))
     entries = [
         {"effect": c.effect, "channels": list(c.channels), "runs": [RUN_ID], "parameters": c.parameters()}
         for c in causes

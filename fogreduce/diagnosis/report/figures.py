@@ -11,64 +11,54 @@ from numpy.typing import NDArray
 from fogreduce.diagnosis.diagnose import Diagnosis
 from fogreduce.diagnosis.inference.model import simulated
 from fogreduce.diagnosis.inference.noise_model import nuisances
-from fogreduce.diagnosis.report import svg
-from fogreduce.diagnosis.report.words import in_words
+from fogreduce.diagnosis.report.words import closed, is_group, percent, place, titled
+from fogreduce.effects.table import EFFECTS
+from fogreduce.pages import svg
 
 Array = NDArray[np.float64]
 
 
-def figures(diagnosis: Diagnosis) -> dict[str, str]:
-    """SVG figures by file name."""
+def figures(diagnosis: Diagnosis, width: float = svg.WIDE) -> dict[str, str]:
+    """SVG figures by file name, drawn for a width."""
     before, after = _gap(diagnosis)
     data, document = diagnosis.data, diagnosis.document
     runs = list(zip(data.run_ids, (one.scene.blocks.count for one in data.inputs), strict=True))
     names = [f"gyro{i + 1}" for i in range(data.n)]
     changed = document["verdict"] != "no_gap" and not np.array_equal(before, after)
     panels = [(name, b, a if changed else None) for name, b, a in zip(names, before, after, strict=True)]
-    out = {"gap-gyros.svg": svg.traces(panels, runs, "deg/h", "measured less predicted, each gyro")}
+    words = "measured less predicted, each gyro"
+    out = {"gap-gyros.svg": svg.traces(panels, runs, "deg/h", words, width)}
     if changed and document["remainder"]["significant"]:
         left = [(name, None, a) for name, a in zip(names, after, strict=True)]
-        out["left-gyros.svg"] = svg.traces(left, runs, "deg/h", "what the causes leave, each gyro")
+        out["left-gyros.svg"] = svg.traces(left, runs, "deg/h", "what the causes leave, each gyro", width)
     projection = data.inputs[0].facts.projection
     if projection is not None:
         both = zip("xyz", projection @ before, projection @ after, strict=True)
         xyz = [(name, b, a if changed else None) for name, b, a in both]
-        out["gap-xyz.svg"] = svg.traces(xyz, runs, "deg/h", "measured less predicted, in x, y and z")
+        words = "measured less predicted, in x, y and z"
+        out["gap-xyz.svg"] = svg.traces(xyz, runs, "deg/h", words, width)
     if document["where"]:
-        out["where.svg"] = _map(diagnosis)
+        out["where.svg"] = _map(diagnosis, width)
         rows = [(place(p), p["share"], f"{100 * p['share']:.1f} %") for p in document["where"]]
-        out["share.svg"] = svg.bars(rows, "parts of the whole gap", svg.BEFORE, 1.0)
-    members = [
-        (in_words(m), m["probability"], percent(m["probability"]))
-        for c in document["causes"]
-        for m in c["group"]
-    ]
-    if members:
-        out["causes.svg"] = svg.bars(members, "probability of each cause and its rivals", svg.AFTER, 1.0)
+        out["share.svg"] = svg.bars(rows, "parts of the whole gap", svg.BEFORE, 1.0, width)
+    if len(document["causes"]) > 1 or any(is_group(c) for c in document["causes"]):
+        members = [
+            (titled(m), m["probability"], percent(m["probability"]))
+            for c in document["causes"]
+            for m in c["group"]
+        ]
+        label = "probability of each cause and its rivals"
+        out["causes.svg"] = svg.bars(members, label, svg.AFTER, 1.0, width)
     if document["closure"] is not None and document["causes"]:
-        steps = waterfall(document)
+        steps, label = waterfall(document), "how far the gap closes"
         if len(steps) > 1:
-            out["waterfall.svg"] = svg.bars(steps, "how far the gap closes, cause by cause", svg.AFTER, 1.0)
-        out["closure.svg"] = svg.bars(_closed(document["closure"]), "how far the gap closes", svg.AFTER, 1.0)
+            out["waterfall.svg"] = svg.bars(steps, f"{label}, cause by cause", svg.AFTER, 1.0, width)
+        out["closure.svg"] = svg.bars(_closed(document["closure"]), label, svg.AFTER, 1.0, width)
     return out
 
 
-def percent(value: float) -> str:
-    """A probability or share in words that do not claim more than it does."""
-    if value > 0.999:
-        return "more than 99.9 %"
-    return f"{100 * value:.1f} %" if value >= 0.001 else "less than 0.1 %"
-
-
-def place(item: Mapping[str, Any]) -> str:
-    """A place in words."""
-    runs = f" in {item['runs'][0]}" if len(item["runs"]) == 1 else ""
-    return f"{', '.join(item['channels'])}: {item['feature'].replace('_', ' ')}{runs}"
-
-
 def _closed(closure: Mapping[str, Any]) -> list[tuple[str, float, str]]:
-    error = f"{100 * closure['fraction']:.1f} +- {100 * closure['std']:.1f} %"
-    rows = [("the causes close", closure["fraction"], error)]
+    rows = [("the causes close", closure["fraction"], closed(closure))]
     if "placebo_fraction" in closure:
         wrong = closure["placebo_fraction"]
         rows.append(("a wrong effect closes", wrong, f"{100 * wrong + 0.0:.1f} %".replace("-0.0", "0.0")))
@@ -84,17 +74,17 @@ def waterfall(document: Mapping[str, Any]) -> list[tuple[str, float, str]]:
     rows, last = [], 0.0
     for cause in ranked:
         total = cause["closure"]["cumulative"]
-        rows.append((in_words(cause), total, f"{100 * (total - last):+.1f} % to {100 * total:.1f} %"))
+        rows.append((titled(cause), total, f"{100 * (total - last):+.1f} % to {100 * total:.1f} %"))
         last = total
     for effect, members in kinds.items():
         if 1 < len(members) < len(ranked):
             lost = sum(c["closure"]["removed"] for c in members)
-            name = f"all {effect.replace('_', ' ')}"
+            name = f"all {EFFECTS[effect].title}"
             rows.append((name, max(lost, 0.0), f"{100 * lost:.1f} % lost without them"))
     return rows
 
 
-def _map(diagnosis: Diagnosis) -> str:
+def _map(diagnosis: Diagnosis, width: float) -> str:
     """Channels against runs: the largest sigma of the places there."""
     places, runs = diagnosis.document["where"], diagnosis.document["runs"]
     gyros = [f"gyro{i + 1}" for i in range(diagnosis.data.n)]
@@ -108,7 +98,7 @@ def _map(diagnosis: Diagnosis) -> str:
                 if channel in p["channels"] and run in p["runs"] and p["sigma"] > cells[i, r]:
                     cells[i, r] = p["sigma"]
                     words[i][r] = p["feature"].replace("_", " ")
-    return svg.grid(channels, runs, cells, words, "where the gap lies: channels against runs")
+    return svg.grid(channels, runs, cells, words, "where the gap lies: channels against runs", width)
 
 
 def _gap(diagnosis: Diagnosis) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 
 from fogreduce.pages.style import policy, style
@@ -24,3 +24,15 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     cells = "".join(f'<th scope="col">{escape(h)}</th>' for h in head)
     lines = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
     return f'<div class="scroll" tabindex="0"><table><tr>{cells}</tr>{lines}</table></div>'
+
+
+def both(name: str, broad: Mapping[str, str], slim: Mapping[str, str]) -> str:
+    """A figure as a screen shows it and as a phone does; nothing where there is none of that name."""
+    if name not in broad:
+        return ""
+    return f'<div class="broad">{broad[name]}</div><div class="slim">{slim[name]}</div>'
+
+
+def items(lines: Sequence[str]) -> str:
+    """A list; lines are HTML."""
+    return "<ul>" + "".join(f"<li>{line}</li>" for line in lines) + "</ul>"

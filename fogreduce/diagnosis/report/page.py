@@ -6,26 +6,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from math import floor, log10
 from typing import Any
 
 from fogreduce.diagnosis.diagnose import Diagnosis
-from fogreduce.diagnosis.report.figures import figures, percent, place
-from fogreduce.diagnosis.report.html import document, table
-from fogreduce.diagnosis.report.words import captures_in_words, in_words
+from fogreduce.diagnosis.report import next_run
+from fogreduce.diagnosis.report.html import both, document, items, table
+from fogreduce.diagnosis.report.words import (
+    captures_in_words,
+    closed,
+    headline,
+    is_group,
+    measured,
+    mistakes_in_words,
+    percent,
+    place,
+    sizes,
+    titled,
+)
 from fogreduce.effects.table import EFFECTS
 
 _TENSIONS = 8  # the greatest tensions with the record that the page shows
-_FAR = 10.0  # times what units of this class show: worth a word
 
-__all__ = ["figures", "page"]
-
-_HEADLINES = {
-    "no_gap": "the bench agrees with the simulator",
-    "explained": "the bench departs from the simulator, and the causes below explain it",
-    "partly_explained": "the bench departs from the simulator; the causes below explain a part",
-    "unexplained": "the bench departs from the simulator, and nothing in the catalogue explains it",
-}
 _STAGES = {
     "table": "as a true rotation would do",
     "gyro": "in what one gyro reads",
@@ -35,74 +36,126 @@ _STAGES = {
 }
 
 
-def page(diagnosis: Diagnosis, drawn: Mapping[str, str], label: str | None = None) -> str:
-    """The whole page; figures stand in it."""
+def page(
+    diagnosis: Diagnosis,
+    drawn: Mapping[str, str],
+    slim: Mapping[str, str],
+    proposed: Mapping[str, str],
+    label: str | None = None,
+    in_results: bool = False,
+) -> str:
+    """The whole page; figures stand in it.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    drawn, slim : mappings
+        Figures for a screen and for a phone.
+    proposed : mapping
+        Files of the next run (`next_run.files`).
+    label : str or None
+        What every page of the campaign carries.
+    in_results : bool
+        Whether the pages of campaign and runs stand beside it.
+    """
     d = diagnosis.document
-    parts = [f"<h1>{escape(d['campaign'])}: {_HEADLINES[d['verdict']]}</h1>"]
+    title = f"{d['campaign']}: {headline(d)}"
+    parts = [_links(d)] if in_results else []
+    parts.append(f"<h1>{escape(title)}</h1>")
     if label:
         parts.append(f"<p><strong>{escape(label)}</strong></p>")
-    parts.append(_summary(d))
-    parts.append(_before_and_after(d, drawn))
-    if d["where"]:
-        parts.append(_where(d, drawn))
-    if d["causes"]:
-        parts.append(_which(d, drawn))
-    if d["closure"] is not None and d["causes"]:
-        parts.append(_closure(d["closure"], drawn))
-        parts.append(_by_cause(d, drawn))
-    if d["verdict"] != "no_gap":
-        parts.append(_remains(d, drawn))
-    parts.append(_tension(d))
+    parts.append(_summary(d, in_results))
     if d["next_run"] is not None:
-        parts.append(_next_run(d["next_run"]))
+        parts.append(next_run.section(d["next_run"], proposed))
+    parts.append(_before_and_after(d, drawn, slim))
+    if d["where"]:
+        parts.append(_where(drawn, slim))
+    if d["causes"]:
+        parts.append(_which(d, drawn, slim))
+    if d["closure"] is not None and d["causes"]:
+        parts.append(_closure(d["closure"], drawn, slim))
+        parts.append(_by_cause(d, drawn, slim))
+    if d["verdict"] != "no_gap":
+        parts.append(_remains(d, drawn, slim))
+    parts.append(_tension(d))
     parts.append(_left_out(diagnosis))
     parts.append(_assumed(d))
-    return document(f"{d['campaign']}: diagnosis", parts)
+    return document(title, parts)
 
 
-def _summary(d: Mapping[str, Any]) -> str:
-    lines = []
+def _links(d: Mapping[str, Any]) -> str:
+    """Back to the pages of the campaign, in whose results this page stands."""
+    own = f'<a href="../index.html">{escape(d["campaign"])}</a>'
+    return f'<nav><a href="../../index.html">campaigns</a> / {own}</nav>'
+
+
+def _runs(d: Mapping[str, Any], in_results: bool) -> str:
+    names = [
+        f'<a href="../{escape(run)}/index.html">{escape(run)}</a>' if in_results else escape(run)
+        for run in d["runs"]
+    ]
+    return f"Runs: {', '.join(names)}."
+
+
+def _summary(d: Mapping[str, Any], in_results: bool) -> str:
+    parts = [_paragraph(escape(line)) for line in mistakes_in_words(d)]
     if d["verdict"] == "no_gap":
-        lines.append(
-            "Nothing departs from the prediction by more than noise and what the calibration record states "
-            "as uncertain. Probability that something is wrong all the same: "
-            f"{percent(d['gap_probability'])}."
-        )
-    for cause in d["causes"]:
-        numbers = _parameters(cause, d["raw_unit"])
-        line = f"<strong>{escape(in_words(cause))}</strong>{': ' + numbers if numbers else ''}, "
-        if len(cause["group"]) > 1:
-            line += (
-                f"or one of {len(cause['group']) - 1} others that these runs cannot tell from it "
-                f"(one of them all: {percent(cause['group_probability'])})."
+        parts.append(
+            _paragraph(
+                "Nothing departs from the prediction by more than noise and what the calibration record "
+                "states as uncertain. Probability that something is wrong all the same: "
+                f"{percent(d['gap_probability'])}."
             )
-        else:
-            line += f"probability {percent(cause['probability'])}."
-        lines.append(line)
-    if d["causes"] and d["closure"] is not None:
-        c = d["closure"]
-        lines.append(
-            f"With {'it' if len(d['causes']) == 1 else 'them'} in the simulator, "
-            f"{_closed(c)} of the gap closes on data that the fit did not see."
         )
+    parts += [_cause(cause, d["raw_unit"]) for cause in d["causes"]]
+    if d["causes"] and d["closure"] is not None:
+        them = "it" if len(d["causes"]) == 1 else "them"
+        words = "of the gap closes on data that the fit did not see."
+        parts.append(_paragraph(f"With {them} in the simulator, {closed(d['closure'])} {words}"))
     if d["verdict"] in ("unexplained", "partly_explained") and d["where"]:
         first = (d["remainder"]["where"] or d["where"])[0]
-        lines.append(f"What is not explained shows {_STAGES[first['stage']]}, at {escape(place(first))}.")
+        words = f"What is not explained shows {_STAGES[first['stage']]}, at {escape(place(first))}."
+        parts.append(_paragraph(words))
     if d["verdict"] != "no_gap":
-        lines.append(
-            f"Probability that there is a gap: {percent(d['gap_probability'])}; that something outside the "
-            f"catalogue takes part: {percent(d['unknown_probability'])}."
+        parts.append(
+            _paragraph(
+                f"Probability that there is a gap: {percent(d['gap_probability'])}; that something outside "
+                f"the catalogue takes part: {percent(d['unknown_probability'])}."
+            )
         )
-    lines += [escape(line) for line in captures_in_words(d)]
-    lines.append(f"Runs: {escape(', '.join(d['runs']))}.")
-    return '<div class="box">' + "".join(f"<p>{line}</p>" for line in lines) + "</div>"
+    parts += [_paragraph(escape(line)) for line in captures_in_words(d)]
+    parts.append(_paragraph(_runs(d, in_results)))
+    return f'<div class="box">{"".join(parts)}</div>'
 
 
-def _closed(closure: Mapping[str, Any]) -> str:
-    return f"{100 * closure['fraction']:.1f} +- {100 * closure['std']:.1f} %"
+def _paragraph(line: str) -> str:
+    return f"<p>{line}</p>"
 
 
-def _before_and_after(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _cause(cause: Mapping[str, Any], raw_unit: str) -> str:
+    """A cause with its size, or a group with its members."""
+    found = "; ".join(escape(size) for size in sizes(cause, raw_unit))
+    if not is_group(cause):
+        more = f": {found}" if found else ""
+        return _paragraph(
+            f"<strong>{escape(titled(cause))}</strong>{more}, probability {percent(cause['probability'])}."
+        )
+    members = [
+        f"<strong>{escape(titled(m))}</strong>, probability {percent(m['probability'])}"
+        + (
+            f": {found}"
+            if found and m["effect"] == cause["effect"] and m["channels"] == cause["channels"]
+            else ""
+        )
+        for m in cause["group"]
+    ]
+    return (
+        f"<p>One of {len(members)}, which these runs cannot tell apart (that it is one of them: "
+        f"{percent(cause['group_probability'])}):</p>{items(members)}"
+    )
+
+
+def _before_and_after(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
     words = (
         "Means over short blocks, one run after the other. What the calibration record leaves open (scale "
         "factors, biases, axes, headings, turn-on biases) is taken off first, at its most probable: it is no "
@@ -116,99 +169,68 @@ def _before_and_after(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
         words += "No cause was found, so there is no line for after."
     return (
         f"<h2>Measured less predicted</h2><p>{words}</p>"
-        + drawn.get("gap-gyros.svg", "")
-        + drawn.get("gap-xyz.svg", "")
+        + both("gap-gyros.svg", drawn, slim)
+        + both("gap-xyz.svg", drawn, slim)
     )
 
 
-def _where(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _where(drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
     return (
         "<h2>Where</h2><p>No cause is assumed here. <em>Sigma</em>: by how many times its expected scatter "
         "a place is off; up to 4 may be chance, and less than that is not shown. The row <em>table</em> is "
         "what all gyros show alike, as a true rotation would.</p>"
-        + drawn["where.svg"]
+        + both("where.svg", drawn, slim)
         + "<p>Parts of the whole gap:</p>"
-        + drawn["share.svg"]
+        + both("share.svg", drawn, slim)
     )
 
 
-def _which(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
     rows = [
         [
-            escape(in_words(c)),
-            escape(EFFECTS[c["effect"]].equation),
+            escape(titled(c)),
+            f'{escape(_does(c))}<br><span class="quiet">{escape(EFFECTS[c["effect"]].equation)}</span>',
             percent(c["probability"]),
-            _parameters(c, d["raw_unit"], "<br>"),
+            "<br>".join(escape(size) for size in sizes(c, d["raw_unit"])),
         ]
         for c in d["causes"]
     ]
     text = "<h2>Which</h2><p>What was found, with one standard deviation. " + (
-        "Of causes stated at 90 %, nine in ten should be right.</p>"
+        "Of causes stated at 90 %, nine in ten should be right."
     )
-    text += table(("cause", "what it does", "probability", "size"), rows)
+    if any(is_group(c) for c in d["causes"]):
+        text += " Of a group that these runs cannot tell apart, its most probable member."
+    text += "</p>" + table(("cause", "what it does", "probability", "size"), rows)
     text += '<p class="quiet">M_i: what gyro i reads; t: time since the run began.</p>'
-    for cause in d["causes"]:
-        if len(cause["group"]) > 1:
-            text += (
-                f"<p>These runs cannot tell <em>{escape(in_words(cause))}</em> from what stands with it "
-                f"here. That it is one of them: {percent(cause['group_probability'])}.</p>"
-            )
-            rivals = [[escape(in_words(m)), percent(m["probability"])] for m in cause["group"]]
-            text += table(("might be", "probability"), rivals)
-    if len(d["causes"]) > 1 and all(len(c["group"]) == 1 for c in d["causes"]):
-        text += drawn.get("causes.svg", "")
-    return text
+    return text + both("causes.svg", drawn, slim)
 
 
-def _parameters(cause: Mapping[str, Any], raw_unit: str, between: str = ", ") -> str:
-    """Sizes of a cause with units; one that is far beyond what such units show is said to be."""
-    known = {p.name: p for p in EFFECTS[cause["effect"]].parameters}
-    out = []
-    for name, p in cause["parameters"].items():
-        unit = known[name].unit_in(raw_unit) if name in known else ""
-        text = f"{_number(p['value'], p['std'])} {unit}".strip()
-        out.append(text if unit and len(cause["parameters"]) == 1 else f"{escape(name)} {text}")
-        # what is usual in volts says nothing of readings in another unit
-        usual = known[name].realistic if name in known and unit == known[name].unit else None
-        if usual is not None and isinstance(p["value"], float) and abs(p["value"]) > _FAR * usual[1]:
-            out.append(f"(units of this class show {usual[0]:g} to {usual[1]:g})")
-    return between.join(out)
+def _does(cause: Mapping[str, Any]) -> str:
+    """What an effect does, its channels before it."""
+    effect = EFFECTS[cause["effect"]]
+    who = ", ".join(cause["channels"]) if effect.channels == "gyro" else f"the {effect.channels}"
+    return f"{who} {effect.words or effect.title}"
 
 
-def _number(value: Any, std: Any) -> str:
-    """A value with its error, both to two digits of the error."""
-    if isinstance(value, list):
-        errors = std if isinstance(std, list) else [None] * len(value)
-        return "[" + ", ".join(_number(v, s) for v, s in zip(value, errors, strict=True)) + "]"
-    if not isinstance(value, int | float):
-        return escape(str(value))
-    if not isinstance(std, int | float) or std <= 0.0:
-        return f"{value:.4g}"
-    digits = 1 - floor(log10(std))
-    if not -7 < digits <= 5:
-        return f"{value:.4g} +- {std:.2g}"
-    return f"{round(value, digits):.{max(digits, 0)}f} +- {round(std, digits):.{max(digits, 0)}f}"
-
-
-def _closure(closure: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _closure(closure: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
     return (
         "<h2>How far the gap closes</h2><p>The simulator was run again with the causes in it and held "
         f"against data that the fit had not seen ({escape(closure['held_out'])}). A wrong effect, fitted "
-        f"just as hard, should close nothing.</p>{drawn['closure.svg']}"
+        f"just as hard, should close nothing.</p>{both('closure.svg', drawn, slim)}"
         f"<p>In numbers: {closure['before']:.1f} before, {closure['after']:.1f} after, "
         f"{closure['expected_if_closed']:.1f} expected if nothing were left "
         f'<span class="quiet">({escape(closure["measure"])})</span>.</p>'
     )
 
 
-def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
     """What each cause closes, where there are several."""
     if "waterfall.svg" not in drawn:
         return ""
     ranked = sorted((c for c in d["causes"] if c["closure"]), key=lambda c: c["closure"]["rank"])
     rows = [
         [
-            escape(in_words(c)),
+            escape(titled(c)),
             f"{100 * c['closure']['alone']:.1f} &plusmn; {100 * c['closure']['alone_std']:.1f} %",
             f"{100 * c['closure']['removed']:.1f} &plusmn; {100 * c['closure']['removed_std']:.1f} %",
             f"{100 * c['closure']['cumulative']:.1f} %",
@@ -217,7 +239,7 @@ def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
     ]
     return (
         "<h2>Cause by cause</h2><p>The simulator with one cause after the other in it, the one that closes "
-        f"most first.</p>{drawn['waterfall.svg']}"
+        f"most first.</p>{both('waterfall.svg', drawn, slim)}"
         + table(("cause", "closes alone", "lost without it", "running total"), rows)
     )
 
@@ -226,10 +248,10 @@ def _tension(d: Mapping[str, Any]) -> str:
     """What the runs say of the record's stated uncertainties."""
     rows = [
         [
-            escape(in_words({**t, "parameters": {}})),
+            escape(titled({**t, "parameters": {}})),
             f"{t['prior_std']:.3g} {escape(t['unit'])}",
-            f"{t['value']:.3g} &plusmn; {t['std']:.2g} {escape(t['unit'])}",
-            f"{t['sigma']:+.1f}",
+            f"{measured(t['value'], t['std'])} {escape(t['unit'])}",
+            f"{t['sigma']:+.1f}".replace("-", "\N{MINUS SIGN}"),
         ]
         for t in d["tension"][:_TENSIONS]
     ]
@@ -244,7 +266,7 @@ def _tension(d: Mapping[str, Any]) -> str:
     )
 
 
-def _remains(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _remains(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
     left = d["remainder"]
     text = "<h2>What remains</h2>"
     if not left["significant"]:
@@ -261,7 +283,7 @@ def _remains(d: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
     ]
     text += table(("where", "how", "sigma"), rows)
     if "left-gyros.svg" in drawn:
-        text += "<p>The blue lines of above, each at its own scale:</p>" + drawn["left-gyros.svg"]
+        text += "<p>The blue lines of above, each at its own scale:</p>" + both("left-gyros.svg", drawn, slim)
     return text + _kin(d["resembles"])
 
 
@@ -270,53 +292,14 @@ def _kin(resembles: Sequence[Mapping[str, Any]]) -> str:
     if not resembles:
         return ""
     near = [
-        f"{escape(one['effect'])} of {escape(' and '.join(one['channels']))}, which would close "
-        f"{100 * one['closes']:.0f} +- {100 * one['std']:.0f} % of it"
+        f"{escape(titled({'parameters': {}, 'runs': ['*'], **one}))}, which would close "
+        f"{measured(100 * one['closes'], 100 * one['std'])} % of it"
         for one in resembles
     ]
     text = f"<p>In its shape it comes nearest to {near[0]}"
     if near[1:]:
         text += "; then to " + ", to ".join(near[1:])
     return text + ". These are no causes: where to begin looking.</p>"
-
-
-def _next_run(n: Mapping[str, Any]) -> str:
-    step = n["table"]["profile"][0]
-    motion = "standing still" if step["rate_deg_s"] == 0 else f"{step['rate_deg_s']:g} deg/s"
-    rows = [
-        ["table", f"axis {escape(str(n['table']['axis']))}, {motion}, {step['duration_s']:g} s"],
-        ["orientation", escape(", ".join(f"{a} {way}" for a, way in n["orientation"].items()))],
-    ]
-    if "temperature" in n:
-        steps = ", then ".join(f"{t['sensor_degC']:g} degC at {t['time_s']:g} s" for t in n["temperature"])
-        rows.append(["sensor temperature", steps])
-    rows.append(["tells apart", "<br>".join(escape(name) for name in n["separates"]) or "none for sure"])
-    more = " or more" if n["separates"] else " at best"
-    rows.append(["by", f"{n['expected_sigma']:.1f} sigma{more}"])
-    if n.get("leaves"):
-        rows.append(["leaves open", "<br>".join(escape(name) for name in n["leaves"])])
-    text = "<h2>What to run next</h2>" + table(("", ""), rows)
-    if "verified" in n:
-        text += _verified(n["verified"])
-    return text
-
-
-def _verified(found: Mapping[str, Any]) -> str:
-    rows = [
-        [
-            escape(t["truth"]),
-            escape(", ".join(t["causes"]) or t["verdict"].replace("_", " ")),
-            percent(t["probability"]),
-            "yes" if t["separated"] else "no",
-        ]
-        for t in found["truths"]
-    ]
-    return (
-        "<p>That run was simulated, with each of these in turn as the truth, and diagnosed together with "
-        "today's captures:</p>"
-        + table(("if it is", "the diagnosis then says", "probability of the truth", "told apart"), rows)
-        + ("" if found["separated"] else "<p>So this run would not tell all of these apart.</p>")
-    )
 
 
 def _assumed(d: Mapping[str, Any]) -> str:

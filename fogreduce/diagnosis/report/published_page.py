@@ -20,9 +20,9 @@ from fogreduce.constants import EARTH_RATE_RAD_S, SECONDS_PER_HOUR
 from fogreduce.datasets.atomic import write_text
 from fogreduce.diagnosis.next.runs import Proposal, as_input
 from fogreduce.diagnosis.observe.capture import RunInput, read_inputs
-from fogreduce.diagnosis.report import svg
 from fogreduce.effects.selection import action
 from fogreduce.metadata.curves import Curves
+from fogreduce.pages import svg
 from fogreduce.physics.frames import across
 from fogreduce.simulate.from_curves import curve_volts
 

@@ -7,19 +7,33 @@ from pathlib import Path
 
 from fogreduce.datasets.atomic import write_text
 from fogreduce.diagnosis.diagnose import Diagnosis, plain
-from fogreduce.diagnosis.report.page import figures, page
+from fogreduce.diagnosis.report import next_run
+from fogreduce.diagnosis.report.figures import figures
+from fogreduce.diagnosis.report.page import page
 from fogreduce.metadata.yaml12 import dump_yaml
+from fogreduce.pages.svg import SLIM
 
 EFFECTS_SCHEMA = "fogreduce/effects/1"
 DIAGNOSIS, SIMULATOR, PAGE, FIGURES = "diagnosis.json", "simulator.yaml", "index.html", "figures"
+#: The folder that the workflow gives a diagnosis, beside the pages of campaign and runs.
+RESULTS = "_diagnosis"
 
 
 def write(diagnosis: Diagnosis, out: Path, label: str | None = None) -> None:
-    """Write all of it into a folder, which need not exist; diagnosis.json comes last."""
-    drawn = figures(diagnosis)
+    """Write all of it into a folder, which need not exist; diagnosis.json comes last.
+
+    A run that an earlier diagnosis proposed there is taken away.
+    """
+    drawn, proposed = figures(diagnosis), next_run.files(diagnosis)
     for name, text in drawn.items():
         write_text(out / FIGURES / name, text)
-    write_text(out / PAGE, page(diagnosis, drawn, label))
+    for name in (next_run.RUN_FILE, next_run.TEMPERATURE_FILE):
+        if name in proposed:
+            write_text(out / name, proposed[name])
+        else:
+            (out / name).unlink(missing_ok=True)
+    page_text = page(diagnosis, drawn, figures(diagnosis, SLIM), proposed, label, out.name == RESULTS)
+    write_text(out / PAGE, page_text)
     effects = {"schema": EFFECTS_SCHEMA, "effects": plain(diagnosis.effects)}
     write_text(out / SIMULATOR, dump_yaml(effects))
     document = json.dumps(plain(diagnosis.document), indent=1, allow_nan=False, ensure_ascii=False)

@@ -56,7 +56,7 @@ def test_a_warming_of_two_time_constants_resembles_a_warm_up(tmp_path) -> None:
     assert 0.0 < first["std"] < 0.1
     assert out["remainder"]["p_value"] < 1e-10
     page = (tmp_path / "out-bench" / "index.html").read_text()
-    assert "comes nearest to warm_up of gyro4" in page.replace("\n", " ")
+    assert "comes nearest to warm up of gyro4" in page.replace("\n", " ")
 
 
 @pytest.mark.slow

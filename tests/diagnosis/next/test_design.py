@@ -7,8 +7,9 @@ import pytest
 from bench_lab import diagnosed, lab, simulated
 
 from fogreduce.diagnosis.next.design import _apart, _confusion, _least
-from fogreduce.diagnosis.next.runs import SOAK_DEGC, Proposal, as_input, proposals, temperature
+from fogreduce.diagnosis.next.runs import Proposal, as_input, lasting, proposals, temperature
 from fogreduce.diagnosis.observe.capture import read_inputs
+from fogreduce.metadata.bench import Bench, Chamber, Table
 
 OFFSET = {"effect": "bias_offset", "channels": ["gyro2"], "runs": ["*"], "parameters": {"deg_h": 40.0}}
 
@@ -38,14 +39,31 @@ def test_what_is_not_told_apart_is_left() -> None:
 def test_a_soak_is_weighed_where_temperature_matters_and_warms_the_sensor(tmp_path) -> None:
     lab(tmp_path)
     inputs = read_inputs(simulated(tmp_path, []), tmp_path / "cal")
-    assert not any(p.soak for p in proposals(inputs, soaks=False))
-    soak = next(p for p in proposals(inputs, soaks=True) if p.soak)
+    assert not any(p.soak_degC for p in proposals(inputs, soaks=False))
+    soak = next(p for p in proposals(inputs, soaks=True) if p.soak_degC)
     log = temperature(inputs, soak)
     assert log is not None
-    assert log.sensor_degC[-1] - log.sensor_degC[0] == pytest.approx(SOAK_DEGC)
+    # 2 degC/min for the first of two minutes
+    assert log.sensor_degC[-1] - log.sensor_degC[0] == pytest.approx(2.0)
     assert as_input(inputs, soak).scene.temperature is not None
     # without logs today, no steady one is asked for
     assert temperature(inputs, Proposal("x", "up", 0.0, 60.0)) is None
+
+
+def test_the_next_run_stays_within_the_bench(tmp_path) -> None:
+    lab(tmp_path)
+    inputs = read_inputs(simulated(tmp_path, []), tmp_path / "cal")
+    slow = Bench(table=Table(largest_rate_deg_s=4.0), chamber=None)
+    runs = list(proposals(inputs, soaks=True, bench=slow))
+    assert max(abs(p.rate_deg_s) for p in runs) == 4.0
+    assert not any(p.soak_degC for p in runs)
+    # 0.5 deg/s^2 for a twentieth of 120 s
+    lazy = Bench(table=Table(largest_acceleration_deg_s2=0.5), chamber=Chamber(highest_degC=25.0))
+    runs = list(proposals(inputs, soaks=True, bench=lazy))
+    assert max(abs(p.rate_deg_s) for p in runs) == pytest.approx(3.0)
+    longer = lasting(next(p for p in runs if p.soak_degC and p.rate_deg_s), 1200.0, inputs, lazy)
+    # ten minutes would warm by 20 degC; the chamber ends 3 above the room's 22
+    assert longer.soak_degC == pytest.approx(3.0)
 
 
 def test_one_run_leaves_rivals_and_the_next_is_verified_to_separate_them(tmp_path) -> None:

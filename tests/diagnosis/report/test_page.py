@@ -7,30 +7,56 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from fogreduce.diagnosis.report import svg
-from fogreduce.diagnosis.report.figures import percent
-from fogreduce.diagnosis.report.page import _number, _parameters
+from fogreduce.diagnosis.report.words import announced, headline, measured, percent, sizes
+from fogreduce.pages import svg
 
 
 @pytest.mark.parametrize(
     ("value", "std", "text"),
     [
-        (-0.26581, 0.01595, "-0.266 +- 0.016"),
-        (-152168.0, 5319.0, "-152200 +- 5300"),
-        (40.12, 1.04, "40.1 +- 1.0"),
+        (-0.26581, 0.01595, "\N{MINUS SIGN}0.266 \N{PLUS-MINUS SIGN} 0.016"),
+        (-152168.0, 5319.0, "\N{MINUS SIGN}152200 \N{PLUS-MINUS SIGN} 5300"),
+        (40.12, 1.04, "40.1 \N{PLUS-MINUS SIGN} 1.0"),
         (5, 0.0, "5"),
-        (1.5e-12, 1.2e-13, "1.5e-12 +- 1.2e-13"),
-        ([0.1931, 0.0281], [0.0121, 0.0139], "[0.193 +- 0.012, 0.028 +- 0.014]"),
-        ("gyro2", None, "gyro2"),
+        (3.25, None, "3.25"),
     ],
 )
 def test_numbers_to_what_their_errors_allow(value, std, text) -> None:
-    assert _number(value, std) == text
+    assert measured(value, std) == text
 
 
 def test_units_stand_with_sizes_and_what_is_far_off_is_said() -> None:
     cause = {"effect": "scale_factor_error", "parameters": {"ppm": {"value": -152168.0, "std": 5319.0}}}
-    assert _parameters(cause, "V").startswith("-152200 +- 5300 ppm, (units of this class show ")
+    (said,) = sizes(cause, "V")
+    assert said.startswith("\N{MINUS SIGN}152200 \N{PLUS-MINUS SIGN} 5300 ppm (units of this class show ")
+
+
+def test_a_tip_is_a_size_and_a_direction_and_a_field_has_a_direction_in_the_room() -> None:
+    tip = {"value": [0.3, 0.0, 0.4], "std": [0.4, 0.4, 0.4], "size": 0.5, "size_std": 0.021}
+    tip["direction"] = [0.6, 0.0, 0.8]
+    cause = {"effect": "axis_misalignment", "parameters": {"mrad": tip}}
+    assert sizes(cause, "V") == ["0.500 \N{PLUS-MINUS SIGN} 0.021 mrad toward (0.60, 0.00, 0.80) in x, y, z"]
+    field = {"value": [1.0, 0.0, -1.0], "std": None}
+    cause = {
+        "effect": "magnetic_bias",
+        "parameters": {"deg_h": {"value": 1.0, "std": 0.1}, "field_direction": field},
+    }
+    assert sizes(cause, "V")[1] == "toward azimuth 90 deg, 45 deg down"
+
+
+def test_a_group_is_announced_as_a_group() -> None:
+    members = [
+        {"effect": effect, "channels": ["gyro4"], "runs": ["*"], "probability": p}
+        for effect, p in (("temperature_bias", 0.394), ("warm_up", 0.394), ("bias_ramp", 0.2))
+    ]
+    found = {"verdict": "explained", "causes": [{**members[0], "group": members, "parameters": {}}]}
+    assert headline(found) == "one of 3 causes explains the gap; these runs cannot tell which"
+    assert announced(found) == (
+        "explained: one of temperature bias of gyro4 (39.4 %), warm up of gyro4 (39.4 %), "
+        "bias ramp of gyro4 (20.0 %)"
+    )
+    found["causes"][0]["group"] = members[:1]
+    assert headline(found) == "temperature bias of gyro4 explains the gap"
 
 
 def test_no_probability_is_said_to_be_certain() -> None:
@@ -44,6 +70,12 @@ def test_drawings_are_well_formed_and_lines_end_with_runs() -> None:
     drawn = ET.fromstring(svg.traces([("gyro<1>", values, None)], [("a", 12), ("b", 8)], "deg/h", "x & y"))
     lines = [node for node in drawn.iter() if node.tag.endswith("polyline")]
     assert [len(line.get("points").split()) for line in lines] == [12, 8]
+    # a slim map has no room for words, but for numbers
+    slim = svg.grid(
+        ["gyro1"], ["a", "b", "c", "d", "e", "f"], np.full((1, 6), 9.0), [["harmonic 1"] * 6], "m", 366
+    )
+    assert "harmonic" not in slim
+    assert slim.count(">9<") == 6
     cells = svg.grid(["gyro1", "gyro2"], ["a"], np.array([[9.0], [0.0]]), [["mean"], [""]], "map")
     words = [node.text for node in ET.fromstring(cells).iter() if node.tag.endswith("text")]
     assert words == ["a", "gyro1", "9 sigma", "mean", "gyro2"]
