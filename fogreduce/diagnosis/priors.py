@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from fogreduce.effects.table import EFFECTS
+
 #: That a kind of effect is present at all. Forty kinds of this probability make a bench right in three of
 #: four campaigns, and one kind wrong in most of the others.
 KIND = 0.0075
@@ -21,7 +23,7 @@ EVERY_GYRO, SOME_PLACES = (2.0, 1.0), (1.0, 3.0)
 
 #: That the calibration record as a whole has gone stale, what it states, how likely each of that is then, and
 #: the law of how many gyros have it.
-STALE, OF_RECORD = 0.03, frozenset({"bias_offset", "scale_factor_error", "axis_misalignment"})
+STALE, OF_RECORD = 0.03, frozenset(name for name, effect in EFFECTS.items() if effect.of_record)
 STALE_KIND, STALE_GYROS = 0.6, (4.0, 1.0)
 
 #: Ln odds before the spectra were seen: that one line more is there, as one of forty effects; that two lines

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.at import At
+from fogreduce.effects.design import Departures, Design
 from fogreduce.effects.model import Effect, Numbers, Parameter, Stage
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ EFFECTS = (
         {"ppm": 100.0},
         channels="clock",
         words="runs fast or slow",
+        departures=Departures(wanders=False),
     ),
     Effect(
         "latency",
@@ -42,5 +44,7 @@ EFFECTS = (
         (Parameter("ms", "ms", "age", off=0.0, low=0.0, high=1e9, realistic=(0.5, 1000.0)),),
         {"ms": 500.0},
         words="answers with readings that are already old",
+        design=Design("ms", 10.0, positive=True, least_deg_h=1e-9),
+        departures=Departures(wanders=False),
     ),
 )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.at import At
+from fogreduce.effects.design import Departures, Design
 from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
 
 Array = NDArray[np.float64]
@@ -64,6 +65,11 @@ def lost_bits(counts: Counts, p: Parameters, at: At) -> Counts:
     return counts & np.int32(-(1 << p["bits"]))
 
 
+def shares_of_range(longest_s: float) -> tuple[dict[str, float], ...]:
+    """Limits, as shares of the largest reading."""
+    return tuple({"volts": share} for share in np.linspace(0.5, 0.98, 9).tolist())
+
+
 EFFECTS = (
     Effect(
         "low_pass",
@@ -74,6 +80,8 @@ EFFECTS = (
         (Parameter("time_constant_ms", "ms", "tau", off=0.0, low=0.0, high=1e9, realistic=(0.3, 100.0)),),
         {"time_constant_ms": 100.0},
         words="is smoothed by a filter that the metadata do not state",
+        design=Design("time_constant_ms", 10.0, positive=True, like=("latency", "ms"), least_deg_h=1e-9),
+        departures=Departures(wanders=False, relative=0.06),
     ),
     Effect(
         "adc_nonlinearity",
@@ -94,9 +102,11 @@ EFFECTS = (
         "v_i clipped to +-value",
         saturation,
         "a converter's range: 1.25, 2.5, 5 or 10 V; a unit's rate range of 100 to 500 deg/s",
-        (Parameter("volts", "V", "value", off=1e12, low=0.0, realistic=(0.05, 10.0)),),
+        (Parameter("volts", "V", "value", off=1e12, low=0.0, realistic=(0.05, 10.0), bends=1e-5),),
         {"volts": 0.2},
         words="is clipped at the end of its range",
+        design=Design(exact="range", grid=shares_of_range),
+        departures=Departures(knee=0.006),
     ),
     Effect(
         "lost_bits",

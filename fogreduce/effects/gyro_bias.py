@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import At
+from fogreduce.effects.design import Design
 from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
 
 Array = NDArray[np.float64]
@@ -72,6 +73,16 @@ def axis_misalignment(axis: Array, p: Parameters, at: At) -> Array:
     return axis + (delta - along * (along @ delta))
 
 
+_TIME_CONSTANTS = 12
+
+
+def time_constants(longest_s: float) -> tuple[dict[str, float], ...]:
+    """From what the blocks of a run still show to what it hardly tells from a straight line."""
+    return tuple(
+        {"tau_s": t} for t in np.geomspace(longest_s / 60.0, 2.0 * longest_s, _TIME_CONSTANTS).tolist()
+    )
+
+
 EFFECTS = (
     Effect(
         "bias_offset",
@@ -82,6 +93,8 @@ EFFECTS = (
         (Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 20.0)),),
         {"deg_h": 2.0},
         words="reads off by a constant, the same in every run",
+        design=Design("deg_h", alike=True),
+        of_record=True,
     ),
     Effect(
         "turn_on_bias",
@@ -93,6 +106,8 @@ EFFECTS = (
         {"deg_h": 2.0},
         words="reads off by a constant in one run alone, more than the record allows from one "
         "switching on to the next",
+        design=Design("deg_h", one_run=True),
+        drifts=True,
     ),
     Effect(
         "bias_ramp",
@@ -103,6 +118,8 @@ EFFECTS = (
         (Parameter("deg_h_per_h", "deg/h/h", "value", off=0.0, realistic=(0.05, 5.0)),),
         {"deg_h_per_h": 20.0},
         words="drifts in a straight line from each run's start",
+        design=Design("deg_h_per_h", 10.0),
+        drifts=True,
     ),
     Effect(
         "bias_step",
@@ -112,10 +129,14 @@ EFFECTS = (
         "hops of a source's mode or of a loop's lock, of the size of a turn-on bias",
         (
             Parameter("deg_h", "deg/h", "value", off=0.0, realistic=(0.1, 10.0)),
-            Parameter("time_s", "s", "when", low=-1e9, high=1e9, realistic=(0.0, 6000.0), words="at"),
+            Parameter(
+                "time_s", "s", "when", low=-1e9, high=1e9, realistic=(0.0, 6000.0), words="at", bends=0.0
+            ),
         ),
         {"deg_h": 2.0, "time_s": 120.0},
         words="jumps once in one run and stays there",
+        design=Design("deg_h", one_run=True, begins="time_s"),
+        drifts=True,
     ),
     Effect(
         "warm_up",
@@ -126,11 +147,20 @@ EFFECTS = (
         (
             Parameter("deg_h", "deg/h", "A", off=0.0, realistic=(0.2, 20.0)),
             Parameter(
-                "tau_s", "s", "tau", low=1e-6, high=1e9, realistic=(30.0, 3000.0), words="time constant"
+                "tau_s",
+                "s",
+                "tau",
+                low=1e-6,
+                high=1e9,
+                realistic=(30.0, 3000.0),
+                words="time constant",
+                bends=1e-3,
             ),
         ),
         {"deg_h": 3.0, "tau_s": 60.0},
         words="settles exponentially after each run's start",
+        design=Design("deg_h", grid=time_constants, shown={"tau_s": (1 / 3, 2 / 3)}),
+        drifts=True,
     ),
     Effect(
         "temperature_bias",
@@ -142,6 +172,9 @@ EFFECTS = (
         {"deg_h_per_degC": 2.0},
         needs_temperature=True,
         words="reads off in proportion to how far its sensor has warmed",
+        design=Design("deg_h_per_degC"),
+        drifts=True,
+        unlogged="warmth",
     ),
     Effect(
         "temperature_rate_bias",
@@ -153,6 +186,9 @@ EFFECTS = (
         {"deg_h_per_degC_per_min": 10.0},
         needs_temperature=True,
         words="reads off in proportion to how fast its sensor warms (Shupe effect)",
+        design=Design("deg_h_per_degC_per_min"),
+        drifts=True,
+        unlogged="warming",
     ),
     Effect(
         "acceleration_bias",
@@ -163,6 +199,7 @@ EFFECTS = (
         (Parameter("deg_h_per_g", "deg/h/g", "k", off=0.0, realistic=(0.01, 1.0)),),
         {"deg_h_per_g": 2.0},
         words="reads off in proportion to gravity along its axis",
+        design=Design("deg_h_per_g"),
     ),
     Effect(
         "magnetic_bias",
@@ -184,6 +221,7 @@ EFFECTS = (
         ),
         {"deg_h": 2.0, "field_direction": (0.0, 0.8, 0.6)},
         words="reads off in proportion to a magnetic field along its axis, a field fixed in the room",
+        design=Design("deg_h", vector="room", along="field_direction"),
     ),
 )
 
@@ -209,5 +247,7 @@ AXIS_EFFECTS = (
         ),
         {"mrad": (1.0, 0.0, 0.5)},
         words="has its input axis tipped",
+        design=Design("mrad", 0.1, vector="across"),
+        of_record=True,
     ),
 )

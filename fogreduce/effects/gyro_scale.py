@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import At
+from fogreduce.effects.design import Departures, Design
 from fogreduce.effects.gyro_names import gyro_index
 from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
 
@@ -49,6 +50,12 @@ def dead_zone(reading: Array, p: Parameters, at: At) -> Array:
     return np.where(np.abs(reading) < width, 0.0, outside)
 
 
+def widths(longest_s: float) -> tuple[dict[str, float | str], ...]:
+    """Widths of a dead zone, of either kind: far below Earth's rate to far above it [deg/h]."""
+    sizes = np.geomspace(0.05, 250.0, 56).tolist()
+    return tuple({"deg_h": w, "kind": kind} for kind in ("threshold", "subtractive") for w in sizes)
+
+
 EFFECTS = (
     Effect(
         "temperature_scale_factor",
@@ -60,6 +67,8 @@ EFFECTS = (
         {"ppm_per_degC": 100.0},
         needs_temperature=True,
         words="has a scale factor that goes with the temperature of its sensor",
+        design=Design("ppm_per_degC"),
+        unlogged="gain warmth",
     ),
     Effect(
         "scale_factor_error",
@@ -71,6 +80,8 @@ EFFECTS = (
         (Parameter("ppm", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(10, 1000)),),
         {"ppm": 100.0},
         words="has another scale factor than stated",
+        design=Design("ppm", alike=True),
+        of_record=True,
     ),
     Effect(
         "scale_factor_asymmetry",
@@ -81,6 +92,7 @@ EFFECTS = (
         (Parameter("ppm", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(5, 200)),),
         {"ppm": 100.0},
         words="has one scale factor for turns one way and another for turns the other way",
+        design=Design("ppm"),
     ),
     Effect(
         "scale_factor_nonlinearity",
@@ -91,6 +103,7 @@ EFFECTS = (
         (Parameter("ppm_at_10_deg_s", "ppm", "e", off=0.0, low=-1e6, high=1e6, realistic=(5, 500)),),
         {"ppm_at_10_deg_s": 100.0},
         words="has a scale factor that goes with the square of the rate",
+        design=Design("ppm_at_10_deg_s"),
     ),
     Effect(
         "crosstalk",
@@ -104,6 +117,7 @@ EFFECTS = (
         ),
         {"ppm": 300.0, "source": "gyro1"},
         words="picks up a share of what another gyro reads",
+        design=Design("ppm"),
     ),
     Effect(
         "dead_zone",
@@ -119,5 +133,7 @@ EFFECTS = (
         ),
         {"deg_h": 40.0, "kind": "threshold"},
         words="reads nothing while the rate is smaller than a threshold",
+        design=Design(exact="reading", grid=widths),
+        departures=Departures(wanders=False),
     ),
 )

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import MISSING_COUNT
 from fogreduce.effects.at import At
+from fogreduce.effects.design import Departures, Design
 from fogreduce.effects.gyro_names import gyro_index
 from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
 
@@ -71,6 +72,7 @@ EFFECTS = (
         (_fraction(),),
         {"fraction": 0.01},
         words="misses answers",
+        departures=Departures(bursts=1.5),
     ),
     Effect(
         "spikes",
@@ -81,6 +83,7 @@ EFFECTS = (
         (_fraction(),),
         {"fraction": 1e-3},
         words="gives spurious counts now and then",
+        departures=Departures(bursts=1.2),
     ),
     Effect(
         "stuck_samples",
@@ -91,6 +94,7 @@ EFFECTS = (
         (_fraction(),),
         {"fraction": 0.5},
         words="repeats its last count now and then",
+        departures=Departures(bursts=1.5),
     ),
     Effect(
         "channel_swap",
@@ -102,6 +106,8 @@ EFFECTS = (
         {"with": "gyro1"},
         mutual="with",
         words="has its column exchanged with another gyro's",
+        design=Design(exact="switch"),
+        departures=Departures(wanders=False),
     ),
     Effect(
         "polarity_error",
@@ -112,5 +118,7 @@ EFFECTS = (
         (),
         {},
         words="has the other sign than stated",
+        design=Design(exact="switch"),
+        departures=Departures(wanders=False),
     ),
 )

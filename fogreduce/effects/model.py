@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
+from fogreduce.effects.design import USUAL, Departures, Design
+
 if TYPE_CHECKING:
     from fogreduce.effects.at import At
 
@@ -73,6 +75,8 @@ class Parameter:
         What stands before its value where it is not the effect's size: "time constant", say.
     frame : str
         Of a vector: ``unit`` (x, y, z) or ``room`` (east, north, up).
+    bends : float or None
+        In which the effect is not linear: the relative step of its finite difference, 0 for an instant.
     """
 
     name: str
@@ -88,6 +92,7 @@ class Parameter:
     drawn: bool = False
     words: str = ""
     frame: str = ""
+    bends: float | None = None
 
     def unit_in(self, raw_unit: str) -> str:
         """Its unit for gyros that are read in `raw_unit`, which then stands in place of V."""
@@ -119,6 +124,19 @@ class Effect:
         What changes, in the contract's symbols.
     words : str
         The same for who does not know the symbols: the end of a sentence that begins with the channel.
+    design : Design or None
+        How a diagnosis looks for it in block means; None where it shows at the full rate alone.
+    departures : Departures
+        How far a real one may be from the formula.
+    drifts : bool
+        Whether a few of it together imitate a random process.
+    of_record : bool
+        Whether it is an error of what a calibration record states, which goes stale as a whole.
+    process : (str, str) or None
+        Of a random process: its kind (``flicker`` or ``walk``) and the parameter that is its size.
+    unlogged : str
+        What a temperature that nobody logged makes of it: ``warmth`` or ``warming``, ``gain`` before it where
+        it goes with the reading.
     parameters : tuple of Parameter
     forward : callable
         ``forward(value, parameters, at) -> value``.
@@ -148,6 +166,12 @@ class Effect:
     mutual: str = ""
     smallest_group: int = 1
     words: str = ""
+    design: Design | None = None
+    departures: Departures = USUAL
+    drifts: bool = False
+    of_record: bool = False
+    process: tuple[str, str] | None = None
+    unlogged: str = ""
 
     @property
     def title(self) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.effects.at import At
+from fogreduce.effects.design import Departures
 from fogreduce.effects.model import PHASE, Effect, Numbers, Parameter, Parameters, Stage
 
 Array = NDArray[np.float64]
@@ -88,6 +89,7 @@ EFFECTS = (
         (Parameter("deg_sqrt_h", "deg/sqrt(h)", "N", low=0.0, high=1e6, realistic=(0.001, 0.1)),),
         {"deg_sqrt_h": 0.01},
         words="has another level of white noise than stated",
+        departures=Departures(relative=0.002),
     ),
     Effect(
         "bias_instability",
@@ -98,6 +100,7 @@ EFFECTS = (
         (Parameter("deg_h", "deg/h", "B", off=0.0, low=0.0, high=1e9, realistic=(0.05, 5.0)),),
         {"deg_h": 2.0},
         words="has flicker noise beyond what is stated",
+        process=("flicker", "deg_h"),
     ),
     Effect(
         "rate_random_walk",
@@ -112,6 +115,7 @@ EFFECTS = (
         ),
         {"deg_h_sqrt_h": 10.0},
         words="wanders in a random walk beyond what is stated",
+        process=("walk", "deg_h_sqrt_h"),
     ),
     Effect(
         "common_noise",
@@ -138,5 +142,6 @@ EFFECTS = (
         ),
         {"deg_h": 20.0, "frequency_hz": 0.02, "phase_rad": 0.0},
         words="shows a line: a sine of one frequency",
+        departures=Departures(relative=0.02),
     ),
 )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.at import At
+from fogreduce.effects.design import Departures, Design
 from fogreduce.effects.model import PHASE, Effect, Numbers, Parameter, Parameters, Stage
 from fogreduce.effects.motion import Motion, Ripple, Vibration
 from fogreduce.physics.frames import rotation
@@ -67,6 +68,15 @@ def base_motion(motion: Motion, p: Parameters, at: At) -> Motion:
     return replace(motion, vibrations=(*motion.vibrations, vibration))
 
 
+#: Delays at which a late start is looked for [s]; of each, its negative too.
+_DELAYS_S = (0.02, 0.05, 0.15, 0.4, 1.0, 2.0, 3.0, -0.02, -0.05, -0.15, -0.4, -1.0, -2.0, -3.0)
+
+
+def harmonics(longest_s: float) -> tuple[dict[str, int], ...]:
+    """Waves of a turn: an encoder's eccentricity, poles and teeth."""
+    return tuple({"harmonic": n} for n in (1, 2, 3, 4, 5, 6, 8, 9, 10, 12, 18, 24, 36))
+
+
 EFFECTS = (
     Effect(
         "table_rate_error",
@@ -78,6 +88,7 @@ EFFECTS = (
         {"ppm": 100.0},
         channels="table",
         words="turns faster or slower than commanded by a fixed share",
+        design=Design("ppm"),
     ),
     Effect(
         "table_rate_ripple",
@@ -103,6 +114,9 @@ EFFECTS = (
         {"ppm": 200.0, "harmonic": 2, "phase_rad": 0.5},
         channels="table",
         words="turns unevenly, with a wave that returns with its angle",
+        design=Design(
+            "ppm", grid=harmonics, wave="phase_rad", turning=True, shown={"harmonic": (1, 2, 4, 12)}
+        ),
     ),
     Effect(
         "heading_error",
@@ -114,6 +128,7 @@ EFFECTS = (
         {"deg": 1.0},
         channels="table",
         words="points another way than stated: the azimuth is off",
+        design=Design("deg", 0.01),
     ),
     Effect(
         "latitude_error",
@@ -125,6 +140,7 @@ EFFECTS = (
         {"deg": 0.5},
         channels="table",
         words="stands at another latitude than stated",
+        design=Design("deg", 0.01),
     ),
     Effect(
         "rotation_sense",
@@ -136,6 +152,8 @@ EFFECTS = (
         {},
         channels="table",
         words="turns the other way than commanded",
+        design=Design(exact="switch", turning=True),
+        departures=Departures(wanders=False),
     ),
     Effect(
         "start_offset",
@@ -143,10 +161,12 @@ EFFECTS = (
         "the profile begins `s` later than the capture",
         start_offset,
         "two computers started by hand or by a trigger over a network: 10 ms to some seconds",
-        (Parameter("s", "s", "delay", off=0.0, low=-1e6, high=1e6, realistic=(0.01, 5.0)),),
+        (Parameter("s", "s", "delay", off=0.0, low=-1e6, high=1e6, realistic=(0.01, 5.0), bends=1e-3),),
         {"s": 2.0},
         channels="table",
         words="begins its profile later than the capture begins",
+        design=Design("s", steps=_DELAYS_S, turning=True, shown={"s": (0.15,)}),
+        departures=Departures(wanders=False),
     ),
     Effect(
         "mount_rotation",
@@ -170,6 +190,7 @@ EFFECTS = (
         {"mrad": (0.0, 1.0, 0.0)},
         channels="table",
         words="holds the unit turned by a small angle",
+        design=Design("mrad", 0.1, vector="unit"),
     ),
     Effect(
         "base_motion",
@@ -188,5 +209,6 @@ EFFECTS = (
         {"deg_h": 20.0, "frequency_hz": 0.02, "axis": (1.0, 0.0, 0.0), "phase_rad": 0.0},
         channels="table",
         words="is shaken by an angular vibration of the floor",
+        departures=Departures(relative=0.03),
     ),
 )

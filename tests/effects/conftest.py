@@ -1,8 +1,9 @@
-"""Makes the builders of tests/simulate/simulated_runs.py importable, whatever folder the tests run from."""
+"""Makes simulated_runs.py and bench_lab.py importable, whatever folder the tests run from."""
 
 import sys
 from pathlib import Path
 
-_BUILDERS = str(Path(__file__).parents[1] / "simulate")
-if _BUILDERS not in sys.path:
-    sys.path.insert(0, _BUILDERS)
+for _folder in ("simulate", "diagnosis"):
+    _BUILDERS = str(Path(__file__).parents[1] / _folder)
+    if _BUILDERS not in sys.path:
+        sys.path.insert(0, _BUILDERS)

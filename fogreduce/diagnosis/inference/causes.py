@@ -14,13 +14,14 @@ from fogreduce.diagnosis.inference.departures import doubted
 from fogreduce.diagnosis.inference.evidence import Fit
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.observe.predict import SLOW_STAGES
+from fogreduce.effects.design import Design
 from fogreduce.effects.selection import Action, action
 from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
 #: Parameters in which an effect is not linear, and the relative step of their finite difference.
-SHAPES = {"tau_s": 1e-3, "time_s": 0.0, "volts": 1e-5, "s": 1e-3}
+SHAPES = {p.name: p.bends for e in EFFECTS.values() for p in e.parameters if p.bends is not None}
 _LARGEST_MRAD = 999.0
 #: What a vector has along a direction that these runs do not show, relative to what they show of it.
 UNSEEN = 1.5
@@ -110,25 +111,31 @@ class Cause:
         if self.finding is not None:
             return {name: value for name, (value, _) in self.finding.parameters.items()}
         t, out = dict(self.theta), dict(self.settled)
-        if "cos" in t:
-            out["ppm"] = float(np.hypot(t.pop("cos"), t["sin"]))
-            out["phase_rad"] = float(np.arctan2(t.pop("sin"), self.theta["cos"]) % (2.0 * np.pi))
-        if "field[0]" in t:
-            vector = np.array([t.pop(f"field[{k}]") for k in range(3)])
-            size = float(np.linalg.norm(vector))
-            out["deg_h"] = size
-            out["field_direction"] = (vector / size).tolist() if size > 0 else [0.0, 0.0, 1.0]
-        if "tip[0]" in t and self.tips is not None:
-            out["mrad"] = (t.pop("tip[0]") * self.tips[0] + t.pop("tip[1]") * self.tips[1]).tolist()
-        if "mrad[0]" in t:
-            out["mrad"] = [t.pop(f"mrad[{k}]") for k in range(3)]
-        if "mrad" in out:
-            out["mrad"] = np.clip(out["mrad"], -_LARGEST_MRAD, _LARGEST_MRAD).tolist()
+        design = EFFECTS[self.effect].design
+        if design is not None and design.wave and "cos" in t:
+            out[design.scaled] = float(np.hypot(t.pop("cos"), t["sin"]))
+            out[design.wave] = float(np.arctan2(t.pop("sin"), self.theta["cos"]) % (2.0 * np.pi))
+        elif design is not None and design.vector:
+            out |= self._vector(design)
+            t = {}
         out.update(t)
         for p in EFFECTS[self.effect].parameters:
             if p.kind == "number" and isinstance(out.get(p.name), float):
                 out[p.name] = float(np.clip(out[p.name], p.low, p.high))
         return out
+
+    def _vector(self, design: Design) -> dict[str, Any]:
+        """What is scaled of a vector, as the effect's parameters have it."""
+        t, scaled = self.theta, design.scaled
+        if design.vector == "room":
+            vector = np.array([t[f"field[{k}]"] for k in range(3)])
+            size = float(np.linalg.norm(vector))
+            return {scaled: size, design.along: (vector / size).tolist() if size > 0 else [0.0, 0.0, 1.0]}
+        if self.tips is not None:
+            vector = t["tip[0]"] * self.tips[0] + t["tip[1]"] * self.tips[1]
+        else:
+            vector = np.array([t[f"{scaled}[{k}]"] for k in range(3)])
+        return {scaled: np.clip(vector, -_LARGEST_MRAD, _LARGEST_MRAD).tolist()}
 
     def stated(self) -> dict[str, dict[str, Any]]:
         """Parameters with one standard deviation, as a diagnosis states them."""
@@ -137,31 +144,26 @@ class Cause:
                 name: {"value": v, "std": doubted(self.effect, name, v, s) if s else s}
                 for name, (v, s) in self.finding.parameters.items()
             }
-        s = self.std
         out: dict[str, dict[str, Any]] = {}
+        design = EFFECTS[self.effect].design or Design()
         for name, value in self.parameters().items():
-            std: Any = s.get(name)
-            if name == "ppm" and "cos" in self.theta:
-                std = s.get("cos")
-            elif name == "phase_rad" and "cos" in self.theta:
-                size = float(np.hypot(self.theta["cos"], self.theta["sin"]))
-                std = s.get("cos", 0.0) / size if size else None
-            elif name == "deg_h" and "field[0]" in self.theta:
-                std = self._length_std([f"field[{k}]" for k in range(3)])
-            elif name == "mrad" and self.tips is not None:
-                std = self._tip_std(self.tips).tolist()
-            elif name == "mrad":
-                std = [s.get(f"mrad[{k}]", 0.0) for k in range(3)]
-            out[name] = {"value": value, "std": std}
-            if name == "mrad":
-                out[name] |= self._size_and_direction(value)
+            out[name] = {"value": value, "std": self.std.get(name)}
+            if design.wave and name in (design.scaled, design.wave):
+                size, std = float(np.hypot(self.theta["cos"], self.theta["sin"])), self.std.get("cos", 0.0)
+                out[name]["std"] = std if name == design.scaled else std / size if size else None
+            elif design.vector == "room" and name == design.scaled:
+                out[name]["std"] = self._length_std([f"field[{k}]" for k in range(3)])
+            elif design.vector and name == design.scaled:
+                parts = [self.std.get(f"{name}[{k}]", 0.0) for k in range(3)]
+                out[name]["std"] = parts if self.tips is None else self._tip_std(self.tips).tolist()
+                out[name] |= self._size_and_direction(value, design)
         return out
 
-    def _size_and_direction(self, vector: Sequence[float]) -> dict[str, Any]:
+    def _size_and_direction(self, vector: Sequence[float], design: Design) -> dict[str, Any]:
         """A small rotation or tip as a length with its error and a unit vector."""
         size = float(np.linalg.norm(vector))
         direction = (np.array(vector) / size).tolist() if size > 0.0 else [0.0, 0.0, 0.0]
-        names = ["tip[0]", "tip[1]"] if self.tips is not None else [f"mrad[{k}]" for k in range(3)]
+        names = [f"{design.scaled}[{k}]" for k in range(3)] if self.tips is None else ["tip[0]", "tip[1]"]
         return {"size": size, "size_std": self._length_std(names), "direction": direction}
 
     def _length_std(self, names: Sequence[str]) -> float:

@@ -26,25 +26,8 @@ Array = NDArray[np.float64]
 WANDERS = 0.025
 #: A coil's temperature: how late it follows its sensor [s], and how far its swing is from the sensor's.
 LATE_S, SWING = 8.0, 0.02
-#: How much a clipped voltage still rises, relative.
-KNEE = 0.006
 #: Periods of the wandering, in lengths of a run.
 _PERIODS = (0.5, 1.0, 2.0)
-#: What is there or not, or as wide as it is, does not wander.
-STEADY = frozenset(
-    {"rotation_sense", "start_offset", "dead_zone", "latency", "low_pass", "channel_swap"}
-    | {"polarity_error", "clock_error"}
-)
-#: The same for effects of the full rate, whose one number is that far from its name's, relative: a filter's
-#: second pole, a line that drifts and wanders, struck samples that come in bursts.
-FULL_RATE = {
-    "low_pass": 0.06,
-    "angle_random_walk": 0.002,
-    "periodic_interference": 0.02,
-    "base_motion": 0.03,
-}
-#: Struck samples come in bursts: their number scatters by so much more than single ones'.
-BURSTS = {"dropouts": 1.5, "spikes": 1.2, "stuck_samples": 1.5}
 
 
 def departures(inputs: Sequence[RunInput], actions: Sequence[Action], which: int, rows: Rows) -> Array:
@@ -59,14 +42,14 @@ def departures(inputs: Sequence[RunInput], actions: Sequence[Action], which: int
     rows : Rows
     """
     effect = actions[which].effect
-    if effect.name in STEADY:
+    if not effect.departures.wanders:
         return np.zeros((rows.total, 0))
     here = [one.scene.block_means(actions) for one in inputs]
     others = [a for k, a in enumerate(actions) if k != which]
     without = [one.scene.block_means(others) for one in inputs]
     change = rows.stacked([h - w for h, w in zip(here, without, strict=True)])
-    if effect.name == "saturation":
-        return KNEE * change[:, None]
+    if effect.departures.knee:
+        return effect.departures.knee * change[:, None]
     columns = [wandering(inputs, change, rows)]
     if effect.needs_temperature:
         columns.append(np.column_stack([_late(inputs, actions, here, rows), SWING * change]))
@@ -110,4 +93,5 @@ def doubted(effect: str, name: str, value: float, std: float) -> float:
     """A full-rate effect's standard deviation with its departures in it; `name`: of the parameter."""
     if name != EFFECTS[effect].parameters[0].name:
         return std
-    return float(np.hypot(std * BURSTS.get(effect, 1.0), FULL_RATE.get(effect, 0.0) * value))
+    real = EFFECTS[effect].departures
+    return float(np.hypot(std * real.bursts, real.relative * value))

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
-from fogreduce.diagnosis.inference.departures import STEADY, wandering
+from fogreduce.diagnosis.inference.departures import wandering
 from fogreduce.diagnosis.inference.noise_model import Rows, Whitener
 from fogreduce.diagnosis.observe.capture import RunInput
+from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
@@ -89,7 +90,7 @@ def modelled(
             slopes.append((simulated(inputs, other, rows) - at) / step)
             if name not in SHAPES:
                 own += cause.theta[name] * slopes[-1]
-        if cause.effect not in STEADY:
+        if EFFECTS[cause.effect].departures.wanders:
             shapes.append(wandering(inputs, own, rows))
     columns = np.column_stack(slopes) if slopes else np.zeros((rows.total, 0))
     change = whiten((at - nominal)[:, None])[:, 0]

@@ -15,15 +15,13 @@ from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, log_prior_of
 from fogreduce.diagnosis.inference.slow import SlowPosterior, slow_posterior
+from fogreduce.effects.table import EFFECTS
 
 _MOST = 8  # processes: a bound on a loop that ends by itself
 #: What a size found among many costs, in ln evidence.
 _SIZE = 1.5
 #: Causes of one gyro from which on they may be a process in disguise.
 _SEVERAL = 2
-_DRIFTS = frozenset(
-    {"bias_ramp", "bias_step", "turn_on_bias", "warm_up", "temperature_bias", "temperature_rate_bias"}
-)
 
 
 def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
@@ -71,6 +69,6 @@ def _drifting(here: SlowPosterior) -> dict[str, list[int]]:
     out: dict[str, list[int]] = {}
     for entry in sorted(here.sets.entries(here.best.members)):
         effect, channels, runs, _ = here.sets.regression.entries[entry].key
-        if len(channels) == 1 and (effect in _DRIFTS or runs != EVERY):
+        if len(channels) == 1 and (EFFECTS[effect].drifts or runs != EVERY):
             out.setdefault(channels[0], []).append(entry)
     return {channel: entries for channel, entries in out.items() if len(entries) >= _SEVERAL}

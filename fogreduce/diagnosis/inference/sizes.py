@@ -12,15 +12,12 @@ from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
-#: What a candidate scales where that is not a parameter's name: a wave's parts, a tip's two directions.
-_PARTS = {"cos": "ppm", "sin": "ppm", "tip": "mrad", "field": "deg_h"}
-
 
 def size_parameter(candidate: Candidate) -> Parameter:
     """The parameter whose realistic range speaks for a candidate's amplitudes."""
-    name = candidate.scales[0].split("[")[0]
-    name = _PARTS.get(name, name)
-    return next(p for p in EFFECTS[candidate.effect].parameters if p.name == name)
+    effect = EFFECTS[candidate.effect]
+    assert effect.design is not None, f"{effect.name}: a candidate has a design"
+    return next(p for p in effect.parameters if p.name == effect.design.scaled)
 
 
 def size_scales(realistic: tuple[float, float]) -> tuple[Array, Array]:

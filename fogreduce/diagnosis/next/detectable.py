@@ -62,7 +62,7 @@ class Row:
     @property
     def label(self) -> str:
         """Effect, channels, other gyro, run."""
-        other = self.at.get("source", self.at.get("with", ""))
+        other = self.at.get(EFFECTS[self.effect].other, "")
         pair = f" from {other}" if other else ""
         runs = "" if self.runs == ("*",) else f" in {', '.join(self.runs)}"
         return f"{self.effect} {', '.join(self.channels)}{pair}{runs}"
@@ -190,6 +190,6 @@ def _why(name: str, inputs: Sequence[Any]) -> str:
     """Why an effect does nothing in these runs, as far as that is plain."""
     if EFFECTS[name].needs_temperature and any(one.scene.temperature is None for one in inputs):
         return UNLOGGED
-    if inputs[0].facts.n_gyros == 1 and name in ("crosstalk", "channel_swap", "common_noise"):
+    if inputs[0].facts.n_gyros == 1 and EFFECTS[name].needs_pair:
         return "needs a second gyro"
     return "does nothing in these runs"

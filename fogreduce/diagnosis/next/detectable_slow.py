@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,13 +19,14 @@ from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.diagnosis.which.catalogue.candidates import all_candidates
 from fogreduce.diagnosis.which.processes.processes import CATALOGUED, Processes
 from fogreduce.diagnosis.which.processes.sizes import size_logs
+from fogreduce.effects.model import Stage
+from fogreduce.effects.table import EFFECTS
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
 
 _MOST_POINTS = 16  # of a grid: a finer one says little more before there are data
 _DRAWS = 400
-_HARMONICS = (1, 2, 4, 12)
 _LARGEST = 1e9  # times a column's step
 
 
@@ -50,8 +51,9 @@ def slow_rows(
     ]
     whiten = whitener(inputs, sizes, np.ones(n))
     metric = Metric.of(whiten(nuisances(inputs)))
-    # the spectrum shows a low pass long before the lag of its readings does
-    builder = Builder(inputs, whiten, [], allowed - {"low_pass"}, {})
+    # the spectrum shows a filter long before the lag of its readings does
+    filters = {name for name in allowed if EFFECTS[name].stage == Stage.FILTER}
+    builder = Builder(inputs, whiten, [], allowed - filters, {})
     candidates = [_thinned(c) for c in all_candidates(builder)]
     scene = _Scene.of(candidates, metric)
     for number, candidate in enumerate(candidates):
@@ -141,7 +143,8 @@ def _label(c: Candidate) -> str:
 
 
 def _others(c: Candidate) -> dict[str, Any]:
-    return {key: c.extra[key] for key in ("source", "with") if key in c.extra}
+    other = EFFECTS[c.effect].other
+    return {other: c.extra[other]} if other in c.extra else {}
 
 
 def _rows_of(scene: _Scene, number: int, c: Candidate, probability: float, snr: float) -> Iterator[Row]:
@@ -183,29 +186,36 @@ def _least(gains: Array, point: int, c: Candidate, probability: float) -> float 
 def _cases(c: Candidate) -> Iterator[tuple[int, Array, str, float, dict[str, Any]]]:
     """(point, direction, parameter, size of one step, other parameters) at which a candidate is looked at."""
     points, k = c.columns.shape[1:]
-    middle = points // 2
-    if c.effect == "table_rate_ripple":
+    design = EFFECTS[c.effect].design
+    assert design is not None, f"{c.effect}: a candidate has a design"
+    shown = design.shown or {}
+    if design.wave:
         for point, given in enumerate(c.grid):
-            if given["harmonic"] in _HARMONICS:
-                at = {**given, "phase_rad": 0.0}  # one that is new in each run would show otherwise
-                yield point, np.array([1.0, 0.0]), "ppm", 1.0, at
-    elif c.effect == "magnetic_bias":
+            if all(given[name] in values for name, values in shown.items()):
+                at = {**given, design.wave: 0.0}  # one that is new in each run would show otherwise
+                yield point, np.array([1.0, 0.0]), design.scaled, float(c.steps[point, 0]), at
+    elif design.vector == "room":
         for unit in np.eye(3):
-            yield 0, unit, "deg_h", 1.0, {"field_direction": unit.tolist()}
-    elif c.effect in ("axis_misalignment", "mount_rotation"):
+            yield 0, unit, design.scaled, float(c.steps[0, 0]), {design.along: unit.tolist()}
+    elif design.vector:
         ways = c.extra["tips"] if "tips" in c.extra else np.eye(3)
         for axis, unit in enumerate(np.eye(k)):
             along = [round(float(v), 3) for v in ways[axis]]
-            yield 0, unit, "mrad", float(c.steps[0, axis]), {"along": along}
-    elif c.effect == "warm_up":
-        for point in (points // 3, 2 * points // 3):
-            yield point, np.ones(1), "deg_h", 1.0, {"tau_s": round(float(c.grid[point]["tau_s"]), 1)}
-    elif c.effect == "start_offset":
-        point = int(np.argmin(np.abs(c.steps[:, 0] - 0.15)))
-        yield point, np.ones(1), "s", float(c.steps[point, 0]), {}
+            yield 0, unit, design.scaled, float(c.steps[0, axis]), {"along": along}
+    elif design.steps:
+        near = np.subtract.outer(c.steps[:, 0], np.array(shown[design.scaled]))
+        for point in np.argmin(np.abs(near), axis=0).tolist():
+            yield point, np.ones(1), design.scaled, float(c.steps[point, 0]), {}
     else:
-        at = {key: round(float(v), 1) for key, v in c.grid[middle].items() if key == "time_s"}
-        yield middle, np.ones(1), c.scales[0], float(c.steps[middle, 0]), at
+        for point in _points_shown(shown, points):
+            at = {key: round(float(v), 1) for key, v in c.grid[point].items() if not isinstance(v, str)}
+            yield point, np.ones(1), design.scaled, float(c.steps[point, 0]), at
+
+
+def _points_shown(shown: Mapping[str, tuple[float, ...]], points: int) -> list[int]:
+    """Of a grid in order, the points at shares of its length; the middle where none are said."""
+    shares = next(iter(shown.values()), (0.5,))
+    return [int(share * points) for share in shares]
 
 
 def _fixed(scene: _Scene, number: int, c: Candidate, probability: float) -> Row:
@@ -216,13 +226,16 @@ def _fixed(scene: _Scene, number: int, c: Candidate, probability: float) -> Row:
     logs = log_mean_exp(block - 0.5 * alone[:, None], axis=0)
     doubt = float(ndtri(probability)) * np.sqrt(np.maximum(alone, 0.0))
     seen = (logs - doubt >= threshold(c.share)) & (alone > 0.0)
-    others = {**_others(c), **{key: v for key, v in c.grid[0].items() if key == "kind"}}
-    parameter = next((p for p in ("deg_h", "volts") if p in c.grid[0]), "")
+    sizes_of = [p.name for p in EFFECTS[c.effect].parameters if p.kind == "number" and p.name in c.grid[0]]
+    parameter = sizes_of[0] if sizes_of else ""
+    others = {**{key: v for key, v in c.grid[0].items() if key != parameter}, **_others(c)}
     if not seen.any():
         return Row(c.effect, c.channels, c.runs, parameter, None, False, others)
     sizes = [float(given.get(parameter, 0.0)) for given in c.grid]
     # a dead zone grows with its width, clipping as its limit falls
-    order = np.argsort(sizes) if parameter != "volts" else np.argsort(sizes)[::-1]
+    design = EFFECTS[c.effect].design
+    falls = design is not None and design.exact == "range"
+    order = np.argsort(sizes)[::-1] if falls else np.argsort(sizes)
     sure = [k for j, k in enumerate(order.tolist()) if seen[order[j:]].all()]
     at = sure[0] if sure else int(np.flatnonzero(seen)[0])
     amplitude = sizes[at] if parameter else None

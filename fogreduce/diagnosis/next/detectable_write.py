@@ -16,7 +16,6 @@ from fogreduce.effects.table import EFFECTS
 
 JSON, CSV, PAGE = "detectable.json", "detectable.csv", "detectable.html"
 _COLUMNS = ("effect", "channels", "runs", "parameter", "unit", "amplitude", "seen", "at", "not_told_from")
-_SHAPES = ("tau_s", "harmonic", "kind", "field_direction", "axis")
 _HEAD = ("effect", "smallest amplitude seen", "unit", "where")
 
 
@@ -77,14 +76,13 @@ def _summary(rows: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str
 
 def _shape(row: Mapping[str, Any]) -> str:
     """Other parameters in words, less those that differ from gyro to gyro."""
-    given = {
-        k: v for k, v in row["at"].items() if k in ("tau_s", "harmonic", "kind", "field_direction", "axis")
-    }
-    if row["effect"] == "mount_rotation":
+    effect = EFFECTS[row["effect"]]
+    shapes = {p.name for p in effect.parameters if p.kind == "choice" or p.frame}
+    shapes |= set((effect.design.shown if effect.design else None) or {})
+    given = {name: value for name, value in row["at"].items() if name in shapes}
+    if effect.channels == "table" and "along" in row["at"]:
         given["along"] = row["at"]["along"]
-    if row["effect"] == "scale_factor_error" and len(row["channels"]) > 1:
-        return "all alike"
-    if row["effect"] == "bias_offset" and len(row["channels"]) > 1:
+    if effect.design is not None and effect.design.alike and len(row["channels"]) > 1:
         return "all alike"
     return ", ".join(f"{k} {_value(v)}" for k, v in given.items())
 

@@ -47,6 +47,7 @@ class Builder:
         self.warm = all(one.scene.temperature is not None for one in inputs)
         self.turning = [bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs]
         self.names = [gyro_name(i) for i in range(self.n)]
+        self.longest_s = max(one.scene.blocks.count * one.scene.blocks.length_s for one in inputs)
 
     def difference(self, specs: Sequence[tuple[str, Sequence[str], Mapping[str, Any]]]) -> Array:
         """What effects (name, channels, parameters) together change, unwhitened: (rows,) [deg/h]."""

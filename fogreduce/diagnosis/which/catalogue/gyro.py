@@ -1,168 +1,122 @@
-"""What the catalogue's effects at a gyro would change in block means."""
+"""What effects at a gyro would change in block means: in all runs, or in one of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from fogreduce.diagnosis.inference.candidate import EVERY, Array, Candidate
 from fogreduce.diagnosis.which.catalogue.builder import Builder
-from fogreduce.effects.table import EFFECTS
+from fogreduce.effects.design import Design
+from fogreduce.effects.model import Effect
 from fogreduce.physics.frames import across
 
-#: One number scales these: parameter, and the small step of the finite difference.
-LINEAR_GYRO = {
-    "bias_offset": ("deg_h", 1.0),
-    "bias_ramp": ("deg_h_per_h", 10.0),
-    "temperature_bias": ("deg_h_per_degC", 1.0),
-    "temperature_rate_bias": ("deg_h_per_degC_per_min", 1.0),
-    "temperature_scale_factor": ("ppm_per_degC", 1.0),
-    "scale_factor_error": ("ppm", 1.0),
-    "scale_factor_asymmetry": ("ppm", 1.0),
-    "scale_factor_nonlinearity": ("ppm_at_10_deg_s", 1.0),
-    "acceleration_bias": ("deg_h_per_g", 1.0),
-}
-_TAUS = 12
+#: Prior share of an amount that all gyros have in common.
+_ALIKE = 0.05
+_QUARTER = np.pi / 2
 
 
-def gyro_candidates(build: Builder) -> Iterator[Candidate]:
-    """What one gyro alone may have, and offset and scale factor of all of them alike."""
-    for effect, (name, step) in LINEAR_GYRO.items():
-        if effect not in build.allowed or (EFFECTS[effect].needs_temperature and not build.warm):
+def at_gyros(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
+    """At each gyro, from each other one where it takes two, and of all of them alike."""
+    for shift in range(1, build.n) if effect.other else (0,):
+        others = [build.names[(i + shift) % build.n] for i in range(build.n)]
+        grid = design.grid(build.longest_s)
+        columns = [c for point in grid for c in _columns(effect, design, build, point, others)]
+        if not any(np.any(np.abs(c) > design.least_deg_h) for c in columns):
             continue
-        one = build.per_gyro(effect, {name: step})
+        k = len(columns) // len(grid)
+        scales = _scales(design, k)
+        steps = np.full((len(grid), k), design.step)
         for i in range(build.n):
-            white = build.gyro_columns(i, [one])[:, None, :]
-            yield build.at_gyro(effect, i, white, scales=(name,), steps=np.array([[step]]))
-        if effect in ("bias_offset", "scale_factor_error") and build.n > 1:
-            yield Candidate(
-                effect,
-                tuple(build.names),
-                EVERY,
-                slice(0, build.whiten.rows.total),
-                build.whiten(one[:, None])[:, None, :],
-                ({},),
-                (name,),
-                np.array([[step]]),
-                share=0.05,
-            )
-    yield from _shaped(build)
-    yield from _turn_on_and_steps(build)
-    yield from _late(build)
+            white = build.gyro_columns(i, columns).reshape(-1, len(grid), k)
+            given: dict[str, Any] = {}
+            if effect.other:
+                source = {effect.other: others[i]}
+                points: tuple[Mapping[str, Any], ...] = tuple({**point, **source} for point in grid)
+                given = {"share": 1.0 / build.n / (build.n - 1), "extra": source}
+            else:
+                points = grid
+            if design.vector == "across":
+                given["extra"] = {"tips": across(build.inputs[0].facts.axes[i])}
+            given |= {"grid": points, "scales": scales, "steps": steps, "positive": design.positive}
+            yield build.at_gyro(effect.name, i, white, **given)
+        if design.alike and build.n > 1:
+            yield _of_all(effect, design, build, columns[0])
 
 
-def _shaped(build: Builder) -> Iterator[Candidate]:
-    longest = max(one.scene.blocks.count * one.scene.blocks.length_s for one in build.inputs)
-    taus = np.geomspace(longest / 60.0, 2.0 * longest, _TAUS)
-    if "warm_up" in build.allowed:
-        columns = [build.per_gyro("warm_up", {"deg_h": 1.0, "tau_s": tau}) for tau in taus.tolist()]
-        grid = tuple({"tau_s": tau} for tau in taus.tolist())
-        for i in range(build.n):
-            white = build.gyro_columns(i, columns)[:, :, None]
-            yield build.at_gyro("warm_up", i, white, scales=("deg_h",), grid=grid)
-    if "magnetic_bias" in build.allowed:
-        field_columns = [
-            build.per_gyro("magnetic_bias", {"deg_h": 1.0, "field_direction": tuple(f)})
-            for f in np.eye(3).tolist()
-        ]
-        names = tuple(f"field[{k}]" for k in range(3))
-        for i in range(build.n):
-            yield build.at_gyro(
-                "magnetic_bias", i, build.gyro_columns(i, field_columns)[:, None, :], scales=names
-            )
-    if "axis_misalignment" in build.allowed:
+def _columns(
+    effect: Effect, design: Design, build: Builder, point: Mapping[str, Any], others: Sequence[str]
+) -> list[Array]:
+    """Differences of the chain at one point of the grid, every gyro with its own: (rows,) each."""
+    name, scaled = design.like or (effect.name, design.scaled)
+    if effect.other:
+        own = [{scaled: design.step, effect.other: other, **point} for other in others]
+        return [build.difference([(name, [g], p) for g, p in zip(build.names, own, strict=True)])]
+    if design.vector == "across":
         tips = [across(axis) for axis in build.inputs[0].facts.axes]
-        both = [
+        return [
             build.difference(
                 [
-                    ("axis_misalignment", [name], {"mrad": tuple((0.1 * tip[k]).tolist())})
-                    for name, tip in zip(build.names, tips, strict=True)
+                    (name, [gyro], {scaled: tuple((design.step * tip[k]).tolist()), **point})
+                    for gyro, tip in zip(build.names, tips, strict=True)
                 ]
             )
             for k in range(2)
         ]
-        for i in range(build.n):
-            yield build.at_gyro(
-                "axis_misalignment",
-                i,
-                build.gyro_columns(i, both)[:, None, :],
-                scales=("tip[0]", "tip[1]"),
-                steps=np.full((1, 2), 0.1),
-                extra={"tips": tips[i]},
-            )
+    size = {scaled: design.step, **point}
+    if design.vector == "room":
+        size_along = [{**size, design.along: tuple(way)} for way in np.eye(3).tolist()]
+        return [build.per_gyro(name, given) for given in size_along]
+    if design.wave:
+        return [build.per_gyro(name, {**size, design.wave: phase}) for phase in (0.0, _QUARTER)]
+    return [build.per_gyro(name, size)]
 
 
-def _turn_on_and_steps(build: Builder) -> Iterator[Candidate]:
+def _scales(design: Design, k: int) -> tuple[str, ...]:
+    """What the columns scale."""
+    if design.wave:
+        return ("cos", "sin")
+    named = {"across": "tip", "room": "field"}.get(design.vector)
+    return tuple(f"{named}[{j}]" for j in range(k)) if named else (design.scaled,)
+
+
+def _of_all(effect: Effect, design: Design, build: Builder, column: Array) -> Candidate:
+    """One amount that all gyros share."""
+    return Candidate(
+        effect.name,
+        tuple(build.names),
+        EVERY,
+        slice(0, build.whiten.rows.total),
+        build.whiten(column[:, None])[:, None, :],
+        ({},),
+        (design.scaled,),
+        np.array([[design.step]]),
+        share=_ALIKE,
+    )
+
+
+def in_single_runs(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
+    """At each gyro in each run: a constant, from some instant on where it begins at one."""
     rows, runs = build.whiten.rows, len(build.ids)
     stepped: dict[int, Array] = {}
     for i in range(build.n):
         for r, run_id in enumerate(build.ids):
             matrix = build.whiten.filters[i, r]
-            if "turn_on_bias" in build.allowed:
-                one = matrix.sum(axis=1)[:, None, None]
-                yield build.at_gyro(
-                    "turn_on_bias",
-                    i,
-                    one,
-                    runs=(run_id,),
-                    rows=rows.of(i, r),
-                    scales=("deg_h",),
-                    share=1.0 / build.n / runs,
-                )
-            if "bias_step" in build.allowed and len(matrix) > 2:
+            given: dict[str, Any] = {
+                "runs": (run_id,),
+                "rows": rows.of(i, r),
+                "scales": (design.scaled,),
+                "share": 1.0 / build.n / runs,
+            }
+            if not design.begins:
+                yield build.at_gyro(effect.name, i, matrix.sum(axis=1)[:, None, None], **given)
+            elif len(matrix) > 2:
                 if id(matrix) not in stepped:
-                    # a unit step at each block's start, whitened: sums of the filter's columns from there
-                    # on
+                    # a unit step at each block's start, whitened: sums of the filter's columns from there on
                     stepped[id(matrix)] = np.cumsum(matrix[:, ::-1], axis=1)[:, ::-1][:, 1:]
                 length = build.inputs[r].scene.blocks.length_s
                 times = ((np.arange(len(matrix) - 1) + 1) * length).tolist()
-                yield build.at_gyro(
-                    "bias_step",
-                    i,
-                    stepped[id(matrix)][:, :, None],
-                    runs=(run_id,),
-                    rows=rows.of(i, r),
-                    grid=tuple({"time_s": time} for time in times),
-                    scales=("deg_h",),
-                    share=1.0 / build.n / runs,
-                )
-
-
-def _late(build: Builder) -> Iterator[Candidate]:
-    wanted = [e for e in ("latency", "low_pass") if e in build.allowed]
-    if not wanted:
-        return
-    late = build.per_gyro("latency", {"ms": 10.0})
-    if not np.any(np.abs(late) > 1e-9):
-        return
-    for i in range(build.n):
-        white = build.gyro_columns(i, [late])[:, None, :]
-        # a filter of a given time constant delays what is slower than itself by that much
-        for effect, name in (("latency", "ms"), ("low_pass", "time_constant_ms")):
-            if effect in wanted:
-                yield build.at_gyro(effect, i, white, scales=(name,), steps=np.array([[10.0]]), positive=True)
-
-
-def crosstalk_candidates(build: Builder) -> Iterator[Candidate]:
-    """Crosstalk into each gyro from each other one."""
-    if "crosstalk" not in build.allowed:
-        return
-    for shift in range(1, build.n):
-        sources = [build.names[(i + shift) % build.n] for i in range(build.n)]
-        one = build.difference(
-            [
-                ("crosstalk", [name], {"ppm": 1.0, "source": source})
-                for name, source in zip(build.names, sources, strict=True)
-            ]
-        )
-        for i, source in enumerate(sources):
-            yield build.at_gyro(
-                "crosstalk",
-                i,
-                build.gyro_columns(i, [one])[:, None, :],
-                scales=("ppm",),
-                grid=({"source": source},),
-                share=1.0 / build.n / (build.n - 1),
-                extra={"source": source},
-            )
+                given["grid"] = tuple({design.begins: time} for time in times)
+                yield build.at_gyro(effect.name, i, stepped[id(matrix)][:, :, None], **given)

@@ -1,4 +1,4 @@
-"""What the catalogue's effects of table, site, mounting and wiring would change in block means."""
+"""What effects of table, site and mounting would change in block means: the same motion at every gyro."""
 
 from __future__ import annotations
 
@@ -7,78 +7,32 @@ from typing import Any
 
 import numpy as np
 
-from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
+from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.which.catalogue.builder import Builder
-
-#: One number scales these: parameter, and the small step of the finite difference.
-LINEAR_TABLE = {
-    "table_rate_error": ("ppm", 1.0),
-    "heading_error": ("deg", 0.01),
-    "latitude_error": ("deg", 0.01),
-}
-DELAYS_S = (0.02, 0.05, 0.15, 0.4, 1.0, 2.0, 3.0)
-HARMONICS = (1, 2, 3, 4, 5, 6, 8, 9, 10, 12, 18, 24, 36)
+from fogreduce.effects.design import Design
+from fogreduce.effects.model import Effect
 
 
-def table_candidates(build: Builder) -> Iterator[Candidate]:
-    """Effects of table, site and mounting; what needs a rotation only where a run has one."""
-    table = ["table"]
-    for effect, (name, step) in LINEAR_TABLE.items():
-        if effect in build.allowed:
-            one = build.difference([(effect, table, {name: step})])
-            yield build.of_table(effect, [one], 1, [{}], (name,), np.array([[step]]))
-    if "mount_rotation" in build.allowed:
-        tilts = [
-            build.difference([("mount_rotation", table, {"mrad": tuple(t)})])
-            for t in (0.1 * np.eye(3)).tolist()
+def of_table(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
+    """The effect at the table: a number, a vector, a wave, or a number in which it is not linear."""
+
+    def column(**parameters: Any) -> Any:
+        return build.difference([(effect.name, [effect.channels], parameters)])
+
+    if design.steps:
+        late = [column(**{design.scaled: size}) for size in design.steps]
+        steps = np.array(design.steps)[:, None]
+        yield build.of_table(effect.name, late, 1, [{} for _ in late], (design.scaled,), steps)
+    elif design.vector:
+        ways = [column(**{design.scaled: tuple(way)}) for way in (design.step * np.eye(3)).tolist()]
+        names = tuple(f"{design.scaled}[{k}]" for k in range(3))
+        yield build.of_table(effect.name, ways, 3, [{}], names, np.full((1, 3), design.step))
+    else:
+        grid = design.grid(build.longest_s)
+        phases = [{design.wave: phase} for phase in (0.0, np.pi / 2)] if design.wave else [{}]
+        columns = [
+            column(**{design.scaled: design.step, **point, **phase}) for point in grid for phase in phases
         ]
-        names = tuple(f"mrad[{k}]" for k in range(3))
-        yield build.of_table("mount_rotation", tilts, 3, [{}], names, np.full((1, 3), 0.1))
-    if not any(build.turning):
-        return
-    if "start_offset" in build.allowed:
-        delays = [*DELAYS_S, *(-s for s in DELAYS_S)]
-        late = [build.difference([("start_offset", table, {"s": s})]) for s in delays]
-        yield build.of_table("start_offset", late, 1, [{} for _ in delays], ("s",), np.array(delays)[:, None])
-    if "table_rate_ripple" in build.allowed:
-        waves = [
-            build.difference([("table_rate_ripple", table, {"ppm": 1.0, "harmonic": n, "phase_rad": phase})])
-            for n in HARMONICS
-            for phase in (0.0, np.pi / 2)
-        ]
-        grid = [{"harmonic": n} for n in HARMONICS]
-        steps = np.ones((len(grid), 2))
-        yield build.of_table("table_rate_ripple", waves, 2, grid, ("cos", "sin"), steps)
-
-
-def wiring_candidates(build: Builder) -> Iterator[Candidate]:
-    """A wrong sense of rotation, turned polarities, exchanged gyros."""
-    rows = slice(0, build.whiten.rows.total)
-
-    def exact(effect: str, channel: str, share: float, **parameters: Any) -> Candidate:
-        one = build.difference([(effect, [channel], parameters)])
-        stage = "table" if channel == "table" else "link"
-        white = build.whiten(one[:, None])[:, None, :]
-        return Candidate(
-            effect,
-            (channel,),
-            EVERY,
-            rows,
-            white,
-            (parameters,),
-            (),
-            np.ones((1, 1)),
-            fixed=True,
-            share=share,
-            stage=stage,
-            extra=parameters,
-        )
-
-    if "rotation_sense" in build.allowed and any(build.turning):
-        yield exact("rotation_sense", "table", 1.0)
-    for i, name in enumerate(build.names):
-        if "polarity_error" in build.allowed:
-            yield exact("polarity_error", name, 1.0 / build.n)
-        for other in build.names[i + 1 :] if "channel_swap" in build.allowed else []:
-            share = 2.0 / build.n / (build.n - 1)
-            yield exact("channel_swap", name, share, **{"with": other})
+        names = ("cos", "sin") if design.wave else (design.scaled,)
+        steps = np.full((len(grid), len(phases)), design.step)
+        yield build.of_table(effect.name, columns, len(phases), grid, names, steps)

@@ -1,10 +1,9 @@
 """What a temperature that nobody logged may do to a gyro: smooth random processes of a room that warms.
 
 Nothing is known of such a temperature but that it drifts and swings over minutes, differently in each run.
-So it is taken as a Gaussian process, a straight drift and swings; `temperature_bias` and
-`temperature_scale_factor` follow how far it is from where it was at the run's start, `temperature_rate_bias`
-how fast it changes. A random walk is rougher, and what they do begins at nothing or does not: that tells them
-apart.
+So it is taken as a Gaussian process, a straight drift and swings; what follows the temperature follows how
+far it is from where it was at the run's start, what follows its rate how fast it changes. A random walk is
+rougher, and what they do begins at nothing or does not: that tells them apart.
 """
 
 from __future__ import annotations
@@ -13,15 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis.observe.blocks import Blocks
+from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
 #: Effects that need a log, as processes where there is none; "gain": it goes with the reading.
-UNLOGGED = {
-    "temperature_bias": "warmth",
-    "temperature_rate_bias": "warming",
-    "temperature_scale_factor": "gain warmth",
-}
+UNLOGGED = {name: effect.unlogged for name, effect in EFFECTS.items() if effect.unlogged}
 #: How long a swing of the temperature holds [s].
 HOLDS_S = (40.0, 80.0, 160.0)
 #: Swings [degC], and drift in as many minutes.

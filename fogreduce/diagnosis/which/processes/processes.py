@@ -25,10 +25,11 @@ from fogreduce.diagnosis.which.processes.jumps import Record, jumps_add
 from fogreduce.diagnosis.which.processes.shapes import Known, Shapes
 from fogreduce.diagnosis.which.processes.sizes import STEPS, size_logs, whole_evidence
 from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
-CATALOGUED = {"bias_instability": ("flicker", "deg_h"), "rate_random_walk": ("walk", "deg_h_sqrt_h")}
+CATALOGUED = {name: effect.process for name, effect in EFFECTS.items() if effect.process is not None}
 _FORGETS_S = (1.5, 5.0, 15.0, 45.0)
 _SHARE = 3.0  # how often the unknown is a process, beside other families
 _OF_GAIN = 0.5  # of those, how often it goes with the reading

@@ -1,0 +1,99 @@
+"""Exact differences, not scaled: a dead zone, clipping, a wrong sense, a turned sign, exchanged gyros."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from itertools import groupby
+
+import numpy as np
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
+from fogreduce.diagnosis.which.catalogue.builder import Builder
+from fogreduce.effects.at import At, Place
+from fogreduce.effects.design import Design
+from fogreduce.effects.model import Effect
+from fogreduce.simulate.forward import ForwardRun
+from fogreduce.simulate.streams import stream
+
+
+def of_reading(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
+    """What a function of the reading alone does, of a grid of sizes; each kind of it is a candidate."""
+    grid = design.grid(build.longest_s)
+    kinds = [p.name for p in effect.parameters if p.kind == "choice"]
+    every = [list(points) for _, points in groupby(grid, key=lambda point: [point[name] for name in kinds])]
+    for points in every:
+        parts = []
+        for one in build.inputs:
+            blocks, place = one.scene.blocks, Place("", 0, (), build.n, partial(stream, 0, "gap"))
+            early = [a for a in build.base if a.effect.stage < effect.stage]
+            forward = ForwardRun(one.facts, None, early, one.scene.temperature, turning=one.scene.turning)
+            m = forward.readings(blocks.time_s)
+            at = At(place, blocks.time_s, 1.0, forward.motion, forward.axes[0], None, m, m[0])
+            changes = [blocks.means(effect.forward(m, point, at) - m) for point in points]
+            parts.append(np.array(changes) * SECONDS_PER_HOUR)
+        for i in range(build.n):
+            columns = np.concatenate([part[:, i] for part in parts], axis=1).T
+            if np.any(columns):
+                white = build.whiten(columns, build.whiten.rows.of(i))[:, :, None]
+                share = 1.0 / len(every) / build.n
+                yield build.at_gyro(effect.name, i, white, grid=tuple(points), fixed=True, share=share)
+
+
+def of_range(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
+    """A limit at each gyro: where its converter seems to rest, or at shares of its largest reading."""
+    facts, name = build.inputs[0].facts, effect.parameters[0].name
+    shares = [point[name] for point in design.grid(build.longest_s)]
+    limits = []
+    for i in range(build.n):
+        largest = max(
+            float(np.abs(p[i]).max()) / SECONDS_PER_HOUR * abs(facts.scale_factor[i]) for p in build.plain
+        )
+        limits.append([build.rails[i]] if i in build.rails else [share * largest for share in shares])
+    # what clips one gyro changes no other: all are clipped at once
+    columns = [
+        build.difference(
+            [
+                (effect.name, [gyro], {name: own[min(k, len(own) - 1)]})
+                for gyro, own in zip(build.names, limits, strict=True)
+            ]
+        )
+        for k in range(max(len(own) for own in limits))
+    ]
+    for i, own in enumerate(limits):
+        white = build.gyro_columns(i, columns[: len(own)])[:, :, None]
+        yield build.at_gyro(effect.name, i, white, grid=tuple({name: v} for v in own), fixed=True)
+
+
+def of_wiring(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
+    """What is there or not: at the table, at each gyro, or between two of them."""
+    if effect.channels != "gyro":
+        yield _there(effect, build, effect.channels, 1.0, {})
+        return
+    for i, name in enumerate(build.names):
+        if not effect.other:
+            yield _there(effect, build, name, 1.0 / build.n, {})
+            continue
+        for other in build.names[i + 1 :]:
+            yield _there(effect, build, name, 2.0 / build.n / (build.n - 1), {effect.other: other})
+
+
+def _there(
+    effect: Effect, build: Builder, channel: str, share: float, parameters: dict[str, str]
+) -> Candidate:
+    one = build.difference([(effect.name, [channel], parameters)])
+    return Candidate(
+        effect.name,
+        (channel,),
+        EVERY,
+        slice(0, build.whiten.rows.total),
+        build.whiten(one[:, None])[:, None, :],
+        (parameters,),
+        (),
+        np.ones((1, 1)),
+        fixed=True,
+        share=share,
+        stage="table" if channel == "table" else "link",
+        extra=parameters,
+    )
