@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtri
 
 from fogreduce.calibrate.certificate import COVERAGE_FACTOR, COVERAGE_PROBABILITY, NOT_STATED, Facts
 from fogreduce.datasets.atomic import write_text
@@ -230,8 +231,6 @@ def _quantity(parent: ET.Element, name: str, values: Array, unit: str, stds: Arr
 
 def _covariance(results: ET.Element, parameters: Sequence[str], matrix: Array) -> None:
     """Covariance of all parameters, as departures from what stands above: values of 0."""
-    from scipy.stats import chi2
-
     result = _add(results, "result")
     _words(result, "name", "covariance of all coefficients")
     _words(
@@ -255,7 +254,7 @@ def _covariance(results: ET.Element, parameters: Sequence[str], matrix: Array) -
             covariance = _add(column, "covariance", _SI)
             _leaf(covariance, "value", repr(float(matrix[i, j])), _SI)
             _leaf(covariance, "unit", _product(units[i], units[j]), _SI)
-    factor = float(np.sqrt(chi2.ppf(_REGION_PROBABILITY, len(parameters))))
+    factor = float(np.sqrt(chdtri(len(parameters), 1 - _REGION_PROBABILITY)))
     _leaf(region, "coverageFactor", f"{factor:.4f}", _SI)
     _leaf(region, "coverageProbability", f"{_REGION_PROBABILITY}", _SI)
     _leaf(region, "distribution", "normal", _SI)

@@ -14,10 +14,11 @@ from fogreduce.calibrate.equations import SHAPES, Product, deg_h_per_raw, produc
 from fogreduce.calibrate.noise import GyroNoise, gyro_noise
 from fogreduce.calibrate.parameters import Parameters, parameters_of
 from fogreduce.calibrate.readings import Readings, read_campaign
-from fogreduce.calibrate.shapes import Shape, fitted_shapes
+from fogreduce.calibrate.residuals import Residual, by_rate, over_time
+from fogreduce.calibrate.shapes import Shape, fitted_shapes, polynomial
 from fogreduce.calibrate.solution import Prior, Solution, solve
 from fogreduce.calibrate.turn_on import TurnOn, turn_on_biases
-from fogreduce.calibrate.undetermined import Undetermined, run_that_determines, undetermined
+from fogreduce.calibrate.undetermined import Ignorance, Undetermined, run_that_determines, undetermined
 
 Array = NDArray[np.float64]
 
@@ -33,6 +34,8 @@ class Derivation:
     products : list of Product
     solution : Solution
     parameters : Parameters
+    ignorance : Ignorance
+        What a direction is called undetermined by.
     undetermined : list of Undetermined
         Empty where the campaign determines all.
     next_run : dict or None
@@ -41,6 +44,9 @@ class Derivation:
         Of each gyro in each run.
     shapes : list of Shape
         Departures from a linear scale factor and a constant bias.
+    residuals, by_rate, by_rate_polynomial : list of Residual
+        Over time; by the rate about the input axis; the same about the solution with a polynomial of the
+        scale factor, empty where the campaign does not determine one.
     """
 
     readings: list[Readings]
@@ -48,10 +54,14 @@ class Derivation:
     products: list[Product]
     solution: Solution
     parameters: Parameters
+    ignorance: Ignorance
     undetermined: list[Undetermined]
     next_run: dict[str, Any] | None
     turn_on: list[TurnOn]
     shapes: list[Shape]
+    residuals: list[Residual]
+    by_rate: list[Residual]
+    by_rate_polynomial: list[Residual]
 
 
 def derive(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> Derivation:
@@ -75,17 +85,25 @@ def derive(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> Deri
     small = products(readings, noise)
     prior = prior_of(readings[0])
     solution = solve(small, n, len(readings), prior)
-    left_open = undetermined(solution, prior.axes)
+    ignorance = Ignorance.of(readings[0].record)
+    left_open = undetermined(solution, prior.axes, ignorance)
+    turn_on = turn_on_biases(small, solution)
+    shapes = fitted_shapes(small, solution, prior, has_shape(readings))
+    curved = polynomial(small, solution, prior, shapes)
     return Derivation(
         readings,
         noise,
         small,
         solution,
         parameters_of(solution),
+        ignorance,
         left_open,
-        run_that_determines(left_open, solution, prior.axes, readings),
-        turn_on_biases(small, solution),
-        fitted_shapes(small, solution, prior, has_shape(readings)),
+        run_that_determines(left_open, solution, prior.axes, ignorance, readings),
+        turn_on,
+        shapes,
+        over_time(readings, noise, solution, turn_on),
+        by_rate(readings, noise, solution),
+        [] if curved is None else by_rate(readings, noise, curved),
     )
 
 

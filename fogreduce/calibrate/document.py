@@ -11,12 +11,7 @@ import numpy as np
 
 from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.solution import (
-    IGNORANCE_AXIS_RAD,
-    IGNORANCE_BIAS_DEG_H,
-    IGNORANCE_SCALE_REL,
-    Solution,
-)
+from fogreduce.calibrate.solution import Solution
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.physics.redundancy import projection
 from fogreduce.physics.special import log_chi2_tail
@@ -100,22 +95,26 @@ def _gyro(derivation: Derivation, i: int) -> dict[str, Any]:
     raw = facts.raw_unit
     errors = found.standard_errors[i]
     stated = one.record.stated_uncertainty
+    ignorance = derivation.ignorance
     present = Coefficients.of(one.record)
     tipped = found.across[i] @ (found.axes[i] - present.axes[i])
     scale = float(facts.scale_factor[i] * found.scale_ratio[i])
     scale_ppm = (scale / present.scale_factor[i] - 1) * 1e6
     bias = found.bias_deg_h[i] - present.bias_deg_h[i]
     stated_bias = present.bias_std_deg_h[i]
-    mrad = stated.axis_rad[i] * 1e3, IGNORANCE_AXIS_RAD * 1e3
+    mrad = stated.axis_rad[i] * 1e3, float(ignorance.axis_rad[i]) * 1e3
     return {
         "gyro": f"gyro{i + 1}",
         raw.scale_factor_key: scale,
         raw.bias_key: float(found.bias_deg_h[i] / SECONDS_PER_HOUR * scale),
         "axis": found.axes[i].tolist(),
         "change_from_present": {
-            "bias_deg_h": _change(bias, errors[0], stated_bias, IGNORANCE_BIAS_DEG_H),
+            "bias_deg_h": _change(bias, errors[0], stated_bias, float(ignorance.bias_deg_h[i])),
             "scale_factor_ppm": _change(
-                scale_ppm, errors[1] * 1e6, stated.scale_factor_rel[i] * 1e6, IGNORANCE_SCALE_REL * 1e6
+                scale_ppm,
+                errors[1] * 1e6,
+                stated.scale_factor_rel[i] * 1e6,
+                float(ignorance.scale_factor_rel[i]) * 1e6,
             ),
             "axis1_mrad": _change(tipped[0] * 1e3, errors[2] * 1e3, *mrad),
             "axis2_mrad": _change(tipped[1] * 1e3, errors[3] * 1e3, *mrad),

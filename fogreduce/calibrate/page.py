@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from fogreduce.calibrate.derive import Derivation
+from fogreduce.calibrate.residuals import BLOCKS, Residual
 from fogreduce.datasets.atomic import write_text
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.pages.numbers import number, plus_minus
@@ -57,6 +60,9 @@ def write_page(derivation: Derivation, data: Mapping[str, Any], path: Path) -> N
             for gyro in gyros
         ],
         "chart": _turn_on_chart(derivation, data),
+        "residual_chart": _residual_chart(derivation, data),
+        "rate_charts": [_rate_chart(derivation, i) for i in range(len(gyros))],
+        "polynomial": bool(derivation.by_rate_polynomial),
         "departures": [
             one
             | {
@@ -82,7 +88,7 @@ def _cell(value: object) -> str:
     return number(value) if isinstance(value, float) else str(value)
 
 
-def _turn_on_chart(derivation: Derivation, data: Mapping[str, Any]) -> Any:
+def _turn_on_chart(derivation: Derivation, data: Mapping[str, Any]) -> Markup:
     """Turn-on biases of each gyro over the runs, the band one standard deviation of what was found."""
     panels = []
     for i, gyro in enumerate(data["gyros"]):
@@ -100,6 +106,54 @@ def _turn_on_chart(derivation: Derivation, data: Mapping[str, Any]) -> Any:
             )
         )
     return points(panels, some_ticks(data["runs"]), "Turn-on bias of each gyro in each run", height=90.0)
+
+
+def _residual_chart(derivation: Derivation, data: Mapping[str, Any]) -> Markup:
+    """What is left of each gyro's readings over time, one run after the other."""
+    panels, first = [], dict.fromkeys(range(len(data["runs"])), 0)
+    for i, gyro in enumerate(data["gyros"]):
+        found = {(run, k): one for run, k, one in _numbered(derivation, i)}
+        values: list[float | None] = []
+        errors: list[float | None] = []
+        for run in first:
+            first[run] = len(values)
+            for k in range(BLOCKS):
+                one = found.get((run, k))
+                values.append(None if one is None else one.deg_h)
+                errors.append(None if one is None else one.std_deg_h)
+        panels.append(Panel(gyro["gyro"], "deg/h", values, errors=errors, centre=0.0, zero=True))
+    ticks = [(first[k] + BLOCKS // 2, name) for k, name in some_ticks(data["runs"])]
+    return points(panels, ticks, "What is left of each gyro's readings, run after run", height=90.0)
+
+
+def _numbered(derivation: Derivation, gyro: int) -> Iterator[tuple[int, int, Residual]]:
+    """Run, number within the run, residual."""
+    within: dict[int, int] = {}
+    for one in derivation.residuals:
+        if one.gyro == gyro:
+            yield one.run, within.setdefault(one.run, 0), one
+            within[one.run] += 1
+
+
+def _rate_chart(derivation: Derivation, gyro: int) -> Markup:
+    """Residuals of a gyro by segment in order of the rate: about the straight line, and the polynomial."""
+    straight = [one for one in derivation.by_rate if one.gyro == gyro]
+    curved = [one for one in derivation.by_rate_polynomial if one.gyro == gyro]
+    panels = [
+        Panel(
+            name,
+            "deg/h",
+            [one.deg_h for one in found],
+            errors=[one.std_deg_h for one in found],
+            centre=0.0,
+            zero=True,
+        )
+        for name, found in ((f"gyro{gyro + 1}", straight), ("polynomial", curved))
+        if found
+    ]
+    ticks = some_ticks([f"{one.rate_deg_s:.3g}" for one in straight], most=16)
+    label = f"Residuals of gyro{gyro + 1} in order of the rate about its input axis [deg/s]"
+    return points(panels, ticks, label, height=80.0)
 
 
 def _runs(derivation: Derivation, data: Mapping[str, Any]) -> list[dict[str, str]]:

@@ -45,6 +45,29 @@ class Shape:
     unit: str
 
 
+#: The polynomial of the scale factor beside its linear term.
+_POLYNOMIAL = ("quadratic", "cubic")
+
+
+def polynomial(
+    products: Sequence[Product], solution: Solution, prior: Prior, shapes: Sequence[Shape]
+) -> Solution | None:
+    """The solution with the terms of the polynomial together; None where none of them is determined.
+
+    Parameters
+    ----------
+    products, solution, prior
+        As of the linear solution.
+    shapes : sequence of Shape
+        Each fitted alone: a term counts where every gyro's is determined.
+    """
+    gyros = solution.layout.gyros
+    terms = tuple(name for name in _POLYNOMIAL if sum(one.name == name for one in shapes) == gyros)
+    if not terms:
+        return None
+    return solve(products, gyros, solution.layout.runs, prior, terms, turn_on=solution.turn_on_deg_h)
+
+
 def fitted_shapes(
     products: Sequence[Product], solution: Solution, prior: Prior, names: Sequence[str]
 ) -> list[Shape]:

@@ -138,12 +138,12 @@ def solve(
     mean, precision = _wide_prior(layout, prior)
     values = mean.copy()
     for _ in range(_ROUNDS):
-        small = [of_unknowns(one, layout, values) for one in products]
+        stack = _Stack.of([of_unknowns(one, layout, values) for one in products], layout)
         if turn_on is None:
-            scatter, log_std = _turn_on(small, layout, mean, precision, prior)
+            scatter, log_std = _turn_on(stack, layout, mean, precision, prior)
         else:
             scatter, log_std = turn_on, np.zeros(gyros)
-        information, right, square, _ = _summed(small, layout, scatter)
+        information, right, square, _ = stack.summed(scatter)
         covariance = np.linalg.inv(information + precision).astype(np.float64)
         values = mean + covariance @ (right - information @ mean)
     left = values - mean
@@ -189,24 +189,45 @@ def of_unknowns(one: Product, layout: Layout, values: Array) -> Small:
     return Small(one, where, to.T @ one.gram @ to)
 
 
-def _summed(small: Sequence[Small], layout: Layout, turn_on: Array) -> tuple[Array, Array, float, float]:
-    """Information, right-hand side, square of the readings and ln det of their covariance."""
-    information, right = np.zeros((layout.size, layout.size)), np.zeros(layout.size)
-    square = log_det = 0.0
-    for one in small:
-        variance = turn_on[one.product.gyro] ** 2
-        ones = one.gram[0]
+@dataclass(frozen=True)
+class _Stack:
+    """All products one upon the other, so that they are summed at once: the turn-on biases are tried often.
+
+    `gyro` (m,), `gram` (m, k + 1, k + 1), `place` (m, k): where their unknowns stand in the layout.
+    """
+
+    gyro: NDArray[np.intp]
+    gram: Array
+    place: NDArray[np.intp]
+    log_det: float
+    size: int
+
+    @classmethod
+    def of(cls, small: Sequence[Small], layout: Layout) -> _Stack:
+        return cls(
+            np.array([one.product.gyro for one in small]),
+            np.array([one.gram for one in small]),
+            np.array([one.where for one in small]),
+            sum(one.product.log_det for one in small),
+            layout.size,
+        )
+
+    def summed(self, turn_on: Array) -> tuple[Array, Array, float, float]:
+        """Information, right-hand side, square of the readings and ln det of their covariance."""
+        variance = turn_on[self.gyro] ** 2
+        ones = self.gram[:, 0]
         # A bias common to a run's readings: V + tau^2 1 1' by Sherman and Morrison.
-        gram = one.gram - np.outer(ones, ones) * (variance / (1 + variance * ones[0]))
-        information[np.ix_(one.where, one.where)] += gram[:-1, :-1]
-        right[one.where] += gram[:-1, -1]
-        square += float(gram[-1, -1])
-        log_det += one.product.log_det + float(np.log1p(variance * ones[0]))
-    return information, right, square, log_det
+        less = (variance / (1 + variance * ones[:, 0]))[:, None, None]
+        gram = self.gram - less * ones[:, :, None] * ones[:, None, :]
+        cells = (self.place[:, :, None] * self.size + self.place[:, None, :]).ravel()
+        information = np.asarray(np.bincount(cells, gram[:, :-1, :-1].ravel(), self.size**2), np.float64)
+        right = np.asarray(np.bincount(self.place.ravel(), gram[:, :-1, -1].ravel(), self.size), np.float64)
+        log_det = self.log_det + float(np.sum(np.log1p(variance * ones[:, 0])))
+        return information.reshape(self.size, self.size), right, float(np.sum(gram[:, -1, -1])), log_det
 
 
 def _turn_on(
-    small: Sequence[Small], layout: Layout, mean: Array, precision: Array, prior: Prior
+    stack: _Stack, layout: Layout, mean: Array, precision: Array, prior: Prior
 ) -> tuple[Array, Array]:
     """Turn-on bias of each gyro, and the standard deviation of its logarithm.
 
@@ -216,7 +237,7 @@ def _turn_on(
     width = np.log(_TURN_ON_FACTOR)
 
     def cost(log_turn_on: Array) -> float:
-        information, right, square, log_det = _summed(small, layout, np.exp(log_turn_on))
+        information, right, square, log_det = stack.summed(np.exp(log_turn_on))
         total = information + precision
         gain = right - information @ mean
         _, log_det_total = np.linalg.slogdet(total)

@@ -1,8 +1,8 @@
 """What a campaign cannot determine: directions among the unknowns, in words, and the run that would.
 
-The unknowns of the gyros are scaled by what is taken as ignorance (5 % of scale factor, 50 mrad of axis,
-1000 deg/h of bias), azimuth, latitude and table rate known as stated. A direction in which the campaign does
-not at least halve that is not determined.
+The unknowns of the gyros are scaled by what would be no calibration (`Ignorance`), azimuth, latitude and
+table rate known as stated. A direction in which the campaign does not at least halve that is not determined:
+Earth's rate alone tells a little of everything, and would else make a record of a campaign about one axis.
 """
 
 from __future__ import annotations
@@ -15,25 +15,47 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.readings import Readings
-from fogreduce.calibrate.solution import (
-    IGNORANCE_AXIS_RAD,
-    IGNORANCE_BIAS_DEG_H,
-    IGNORANCE_SCALE_REL,
-    Layout,
-    Solution,
-)
+from fogreduce.calibrate.solution import Layout, Solution
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.estimate.uncertainty import axis_rates
+from fogreduce.metadata.calibration import DEFAULT_UNCERTAINTY, CalibrationRecord
 from fogreduce.physics.frames import across, unit_from_enu
 from fogreduce.physics.table_motion import Profile
 
 Array = NDArray[np.float64]
 
+_TIMES = 10.0  # what is known ten times less well than usual is not calibrated
 _HALVED = 4.0  # information, in units of 1 / ignorance^2, that halves a standard deviation
 _PART = 0.02  # of the projector on what is open, from which on two parameters move together
 _RUN_S, _RATE_DEG_S = 300.0, 10.0  # a run that is proposed
 _STEPS = 200
+
+
+@dataclass(frozen=True)
+class Ignorance:
+    """Standard deviations (n,) that would be no calibration; of the axis in each of two directions."""
+
+    bias_deg_h: Array
+    scale_factor_rel: Array
+    axis_rad: Array
+
+    @classmethod
+    def of(cls, record: CalibrationRecord) -> Ignorance:
+        """Ten times what the record states, or the project's default of a tactical-grade unit, if more."""
+        stated = Coefficients.of(record)
+        bias = np.maximum(stated.bias_std_deg_h, stated.turn_on_bias_deg_h)
+        return cls(
+            *(
+                _TIMES * np.maximum(values, DEFAULT_UNCERTAINTY[key].value)
+                for key, values in (
+                    ("bias_deg_h", bias),
+                    ("scale_factor_rel", stated.scale_factor_std_rel),
+                    ("axis_rad", stated.axis_std_rad),
+                )
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -55,9 +77,9 @@ class Undetermined:
     parameters: int
 
 
-def undetermined(solution: Solution, axes: Array) -> list[Undetermined]:
+def undetermined(solution: Solution, axes: Array, ignorance: Ignorance) -> list[Undetermined]:
     """What the campaign does not determine: sets of parameters that move together."""
-    basis, names = _scaled(solution.layout, axes)
+    basis, names = _scaled(solution.layout, axes, ignorance)
     values, vectors = np.linalg.eigh(basis.T @ _of_gyros(solution.information, solution.layout) @ basis)
     open_ways = vectors[:, values < _HALVED]
     projector = open_ways @ open_ways.T
@@ -80,7 +102,7 @@ def _of_gyros(information: Array, layout: Layout) -> Array:
     return eliminated
 
 
-def _scaled(layout: Layout, axes: Array) -> tuple[Array, list[str]]:
+def _scaled(layout: Layout, axes: Array, ignorance: Ignorance) -> tuple[Array, list[str]]:
     """Columns: each parameter's unit of ignorance in the gyros' unknowns; and its name."""
     columns, names = [], []
 
@@ -92,13 +114,13 @@ def _scaled(layout: Layout, axes: Array) -> tuple[Array, list[str]]:
 
     for i in range(layout.gyros):
         of = f"gyro{i + 1}'s"
-        add(layout.gyro(i).start, IGNORANCE_BIAS_DEG_H, f"{of} bias")
-        along = SECONDS_PER_HOUR * IGNORANCE_SCALE_REL * axes[i]
+        add(layout.gyro(i).start, float(ignorance.bias_deg_h[i]), f"{of} bias")
+        along = SECONDS_PER_HOUR * ignorance.scale_factor_rel[i] * axes[i]
         add(layout.vector(i), along, f"{of} scale factor")
         for direction in across(axes[i]):
-            x, y, z = direction
+            x, y, z = np.round(direction, 2) + 0.0  # no sign of a zero
             words = f"{of} axis towards [{x:.2f}, {y:.2f}, {z:.2f}]"
-            add(layout.vector(i), SECONDS_PER_HOUR * IGNORANCE_AXIS_RAD * direction, words)
+            add(layout.vector(i), SECONDS_PER_HOUR * ignorance.axis_rad[i] * direction, words)
     return np.array(columns).T, names
 
 
@@ -107,7 +129,11 @@ def _joined(names: list[str]) -> str:
 
 
 def run_that_determines(
-    found: Sequence[Undetermined], solution: Solution, axes: Array, readings: Sequence[Readings]
+    found: Sequence[Undetermined],
+    solution: Solution,
+    axes: Array,
+    ignorance: Ignorance,
+    readings: Sequence[Readings],
 ) -> dict[str, Any] | None:
     """The run, of turns both ways and a standstill about x, y or z, that leaves least of it open.
 
@@ -119,7 +145,7 @@ def run_that_determines(
     if not found:
         return None
     layout = solution.layout
-    basis, _ = _scaled(layout, axes)
+    basis, _ = _scaled(layout, axes, ignorance)
     scaled = basis.T @ _of_gyros(solution.information, layout) @ basis
     best, least = None, np.count_nonzero(np.linalg.eigvalsh(scaled) < _HALVED)
     for axis, orientation in (

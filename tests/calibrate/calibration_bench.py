@@ -37,7 +37,7 @@ _UP = {
     "z": {"z": "up", "y": "north"},
 }
 #: Run -> axis and rate of the table [deg/s].
-DESIGN = {
+DESIGN: dict[str, tuple[Any, ...]] = {
     "1-xp": ("x", 10.0),
     "2-xm": ("x", -10.0),
     "3-yp": ("y", 10.0),
@@ -46,6 +46,8 @@ DESIGN = {
     "6-zm": ("z", -10.0),
     "7-st": ("x", 0.0),
 }
+#: Further runs, of several rates each.
+STEPS: dict[str, tuple[Any, ...]] = {f"{axis}-steps": (axis, 30.0, 10.0, -10.0, -30.0) for axis in "xyz"}
 
 
 class Bench:
@@ -65,14 +67,17 @@ class Bench:
     ) -> Path:
         plan = self.folder / f"plan{len(list(self.folder.iterdir()))}"
         for name in runs:
-            axis, rate = DESIGN[name]
+            axis, *rates = {**DESIGN, **STEPS}[name]
             run = {
                 "schema": "fogreduce/run/1",
                 "run_id": name,
                 "unit": "UNIT",
                 "started_at": "2014-05-12T13:00:00Z",
                 "site": {"latitude_deg": 48.0},
-                "table": {"axis": axis, "profile": [{"rate_deg_s": rate, "duration_s": 72.0}]},
+                "table": {
+                    "axis": axis,
+                    "profile": [{"rate_deg_s": one, "duration_s": 72.0 / len(rates)} for one in rates],
+                },
                 "orientation": _UP[axis],
                 "capture": {
                     "file": "capture.fogcap",

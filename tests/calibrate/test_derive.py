@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.derive import derive
 from fogreduce.errors import BadInput
 
@@ -53,6 +54,66 @@ def test_one_sense_about_one_axis_leaves_bias_and_scale_factor_together(bench) -
     assert any("gyro1's bias" in text and "gyro1's scale factor" in text for text in words)
     assert found.next_run is not None
     assert found.next_run["table"]["axis"] in "xyz"
+
+
+def test_one_axis_leaves_the_others_open_and_a_run_about_one_of_them_helps(bench) -> None:
+    """Gyro 4 looks along the table's axis: its scale factor is right, where its axis points is open."""
+    runs = ["1-xp", "2-xm", "7-st"]
+    found = derive(bench.simulate([entry("scale_factor_error", 4, ppm=900.0)], runs=runs), bench.calibrations)
+    words = " / ".join(one.words for one in found.undetermined)
+    assert "gyro4's axis towards" in words
+    assert "gyro1's scale factor and gyro1's axis" in words
+    assert "gyro4's scale factor" not in words
+    assert "bias" not in words
+    errors = found.parameters.standard_errors[3]
+    length = np.linalg.norm(found.readings[0].facts.axes[3])
+    ppm = (found.parameters.scale_ratio[3] / length - 1) * 1e6
+    assert ppm == pytest.approx(900.0, abs=4e6 * errors[1])
+    assert errors[1] < 2e-5
+    assert found.next_run is not None
+    assert found.next_run["table"]["axis"] in "yz"
+    assert {step["rate_deg_s"] for step in found.next_run["table"]["profile"]} == {10.0, -10.0, 0.0}
+
+
+def test_one_sense_leaves_bias_with_scale_factor_and_a_standstill_tells_them_apart(bench) -> None:
+    turns = ["1-xp", "3-yp", "5-zp"]
+    found = derive(bench.simulate(runs=turns), bench.calibrations)
+    assert len(found.undetermined) == 4
+    for gyro, one in enumerate(found.undetermined, start=1):
+        assert one.words.startswith(f"gyro{gyro}'s bias, gyro{gyro}'s scale factor")
+        assert one.directions == 1
+    assert found.next_run is not None
+    assert [step["rate_deg_s"] for step in found.next_run["table"]["profile"]] == [0.0]
+    assert not derive(bench.simulate(runs=[*turns, "7-st"]), bench.calibrations).undetermined
+
+
+def test_both_senses_need_no_standstill(bench) -> None:
+    turns = ["1-xp", "2-xm", "3-yp", "4-ym", "5-zp", "6-zm"]
+    found = derive(bench.simulate([entry("bias_offset", 2, deg_h=3.0)], runs=turns), bench.calibrations)
+    assert not found.undetermined
+    facts = found.readings[0].facts
+    bias = facts.bias[1] / facts.scale_factor[1] / np.linalg.norm(facts.axes[1]) * 3600
+    error = found.parameters.standard_errors[1, 0]
+    assert found.parameters.bias_deg_h[1] - bias == pytest.approx(3.0, abs=4 * error)
+    assert error < 0.3
+
+
+def test_residuals_show_a_cubic_scale_factor_and_its_polynomial_takes_it_away(bench) -> None:
+    effects = [entry("scale_factor_nonlinearity", 2, ppm_at_10_deg_s=60.0)]
+    runs = ["x-steps", "y-steps", "z-steps"]
+    found = derive(bench.simulate(effects, runs=runs), bench.calibrations)
+
+    def chi2(residuals, gyro):
+        return np.mean([(one.deg_h / one.std_deg_h) ** 2 for one in residuals if one.gyro == gyro])
+
+    assert chi2(found.by_rate, 1) > 100
+    assert chi2(found.by_rate_polynomial, 1) < 3
+    assert chi2(found.by_rate, 3) < 3
+    rates = [one.rate_deg_s for one in found.by_rate if one.gyro == 3]
+    assert rates == sorted(rates)
+    assert rates[0] == pytest.approx(-30.0, rel=1e-3)  # gyro 4's axis is x
+    left = np.array([one.deg_h / one.std_deg_h for one in found.residuals])
+    assert np.sqrt(np.mean(left[[one.gyro == 3 for one in found.residuals]] ** 2)) < 1.5
 
 
 def test_a_standstill_alone_leaves_every_scale_factor_open(bench) -> None:
@@ -113,14 +174,21 @@ def test_runs_of_two_records_are_refused(bench) -> None:
 
 
 def test_practice_campaigns_agree_with_their_record(shared) -> None:
-    """Campaigns of another simulator, drawn about the record: change within both errors."""
+    """Campaigns of another simulator, drawn about the record: every change within both errors."""
     practice = shared / "practice"
     for name in ("practice-1", "practice-2", "practice-4"):
         found = derive(practice / "campaigns" / name, practice / "calibrations")
-        facts = found.readings[0].facts
-        errors = found.parameters.standard_errors
-        stated = np.array(found.readings[0].record.stated_uncertainty.scale_factor_rel)
-        lengths = np.linalg.norm(facts.axes, axis=1)
-        pulls = (found.parameters.scale_ratio / lengths - 1) / np.hypot(errors[:, 1], stated)
-        assert np.abs(pulls).max() < 3.5
         assert not found.undetermined
+        present, parameters = Coefficients.of(found.readings[0].record), found.parameters
+        errors = parameters.standard_errors
+        scale = found.readings[0].facts.scale_factor * parameters.scale_ratio
+        tipped = np.einsum("nij,nj->ni", parameters.across, parameters.axes - present.axes)
+        # A bias is known as the record states it, and as the turn-on scatter lets eight runs show it.
+        changes = {
+            "bias": ((parameters.bias_deg_h - present.bias_deg_h), errors[:, 0], present.bias_std_deg_h),
+            "scale factor": (scale / present.scale_factor - 1, errors[:, 1], present.scale_factor_std_rel),
+            "axis, first": (tipped[:, 0], errors[:, 2], present.axis_std_rad),
+            "axis, second": (tipped[:, 1], errors[:, 3], present.axis_std_rad),
+        }
+        for what, (change, std, stated) in changes.items():
+            assert np.abs(change / np.hypot(std, stated)).max() < 3.5, (name, what)

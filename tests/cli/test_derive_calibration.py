@@ -11,12 +11,12 @@ import pytest
 from fogreduce.cli.main import main
 from fogreduce.metadata.folder import read_calibration
 
-RUNS = ("1-x-plus", "2-x-minus", "3-y-plus", "4-y-minus")
+RUNS = ("1-x-plus", "2-x-minus", "3-y-plus", "4-y-minus", "5-z-plus", "6-z-minus")
 
 
 @pytest.fixture(scope="module")
 def campaign(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Runs of the bundled campaign about two axes, cut to 36 s at 16 Hz, simulated."""
+    """Runs of the bundled campaign about three axes, cut to 36 s at 16 Hz, simulated."""
     import re
 
     folder = tmp_path_factory.mktemp("derive")
@@ -69,7 +69,7 @@ def test_same_campaign_gives_the_same_bytes_and_another_is_refused(
     assert derive(campaign, repository, out) == 0
     assert before == {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
     capsys.readouterr()
-    assert derive(campaign, repository, out, "--only-runs", ",".join(RUNS[:3])) == 2
+    assert derive(campaign, repository, out, "--only-runs", ",".join(RUNS[:5])) == 2
     said = capsys.readouterr().err
     assert "2012a-derived.yaml" in said
     assert "never rewritten" in said
