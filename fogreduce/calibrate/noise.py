@@ -1,8 +1,9 @@
 """The noise of a gyro within a run, as a covariance of its bins; what is not stated comes from the readings.
 
-White noise is always measured, from the differences of neighbouring bins: a record's own figure is from
-another day. Flicker and random walk, which a campaign of short runs hardly shows, are the record's where it
-states them, else those of the Allan variance of the residuals of all runs together.
+White noise is always measured, a record's own figure being from another day: from the differences of
+neighbouring samples, or of bins where these differ by more than white noise would. Flicker and random walk,
+which a campaign of short runs hardly shows, are the record's where it states them, else those of the Allan
+variance of the residuals of all runs together.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 
 #: Fewer differences of neighbouring bins do not tell white noise.
 _FEWEST_DIFFERENCES = 8
+#: By so much flicker may raise the differences of bins of a second [relative].
+_FLICKER_IN_BINS = 0.1
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,8 @@ def gyro_noise(readings: Sequence[Readings], gyro: int) -> GyroNoise:
         differences += steps.size
         allan.append((allan_variance(_with_holes(one, left), one.bin_s), one.bin_s))
     # deg/h of bins of a second are deg/sqrt(h) over 60.
-    white = np.sqrt(squares / differences) / 60 if differences >= _FEWEST_DIFFERENCES else 0.0
+    of_bins = np.sqrt(squares / differences) / 60 if differences >= _FEWEST_DIFFERENCES else 0.0
+    white = _of_samples(readings, gyro, of_bins, differences)
     noise = readings[0].record.noise
     if noise is not None and noise.bias_instability_deg_h is not None:
         walks = noise.rate_random_walk_deg_h_sqrt_h
@@ -67,6 +71,24 @@ def gyro_noise(readings: Sequence[Readings], gyro: int) -> GyroNoise:
     found = fit_noise(tau, variance, freedom)
     walk_deg_h_sqrt_h = float(np.sqrt(found.walk * SECONDS_PER_HOUR))
     return GyroNoise(float(white), float(np.sqrt(found.flicker)), walk_deg_h_sqrt_h, stated=False)
+
+
+def _of_samples(readings: Sequence[Readings], gyro: int, of_bins: float, differences: float) -> float:
+    """White noise from sample to sample, which is better known, where bins agree that it is white.
+
+    Noise of another kind shows where the two differ: then it is that of the bins, from which the solution is.
+    """
+    variance = steps = 0.0
+    for one in readings:
+        deg_h = SECONDS_PER_HOUR / one.facts.scale_factor[gyro]
+        variance += one.step_square[gyro] * deg_h**2 / 2 / one.facts.sample_rate_hz
+        steps += one.steps[gyro]
+    if steps == 0 or of_bins == 0:
+        return of_bins
+    of_samples = float(np.sqrt(variance / steps)) / 60
+    # The standard error of a white noise from m differences is sqrt(3 / m) / 2 of it.
+    allowed = _FLICKER_IN_BINS + 4 * np.sqrt(3 / differences) / 2
+    return of_samples if abs(of_bins / of_samples - 1) <= allowed else of_bins
 
 
 def covariance(one: Readings, gyro: int, noise: GyroNoise) -> Array:

@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 #: Bins of a run: the covariance of its noise is a matrix of this size at most.
 MOST_BINS = 512
 _SHORTEST_BIN_S = 1.0
+#: Steps from sample to sample beyond so many of the median one are no noise: of a normal one in 10^11 is.
+_LARGEST_STEP = 10.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,9 @@ class Readings:
         Samples in it.
     scatter : (n, m) array
         Their standard deviation about it [raw unit].
+    step_square, steps : (n,) arrays
+        Sum of the squared steps from one sample to the next, what the present record makes of the motion
+        taken away [raw unit^2], and their number.
     motion : (3, m) array
         What the axes x, y, z read of table and Earth [deg/s].
     departure : (3, 3, m) array
@@ -75,6 +80,8 @@ class Readings:
     raw: Array
     count: Array
     scatter: Array
+    step_square: Array
+    steps: Array
     motion: Array
     departure: Array
     temperature: Array | None
@@ -103,6 +110,7 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
     stated = StatedErrors.of(run, record)
     ingest = Ingest(facts, parameters.outliers.threshold_sigma)
     parts = []
+    step_square, steps = np.zeros(facts.n_gyros), np.zeros(facts.n_gyros)
     block_records = max(1, parameters.block_records // size) * size
     for block in ingest.blocks(reader, block_records):
         time_s = block.time_us / MICROSECONDS_PER_SECOND
@@ -114,6 +122,8 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
             )
         )
         usable = _usable(block.flag, block.gyro_flag, len(values))
+        square, number = _steps(facts, values, usable)
+        step_square, steps = step_square + square, steps + number
         parts.append(bins_of(time_s, values, usable, size))
     bins = Bins.joined(parts)
     n, bin_s = facts.n_gyros, size / facts.sample_rate_hz
@@ -135,6 +145,8 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
         raw=np.where(bins.count[:n, inside] > size / 2, bins.mean[:n, inside], np.nan),
         count=bins.count[:n, inside],
         scatter=bins.scatter[:n, inside],
+        step_square=step_square,
+        steps=steps,
         motion=bins.mean[n : n + 3, inside],
         departure=bins.mean[n + 3 :, inside].reshape(3, 3, -1),
         temperature=None if log is None else log.sensor_at(time_s) - log.sensor_at(np.zeros(1)),
@@ -148,6 +160,23 @@ def _usable(flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8], rows: int) ->
         return None
     records = np.broadcast_to((flag & UNUSABLE_RECORD) == 0, (rows - len(gyros), flag.size))
     return np.vstack((gyros, records))
+
+
+def _steps(
+    facts: RunFacts, values: Array, usable: NDArray[np.bool_] | None
+) -> tuple[Array, NDArray[np.intp]]:
+    """Sum of the squared steps between neighbouring samples of a block, and their number, of each gyro.
+
+    Jumps between two commanded rates, of which there are few, are left out as their size says.
+    """
+    n = facts.n_gyros
+    left = values[:n] - facts.scale_factor[:, None] * (facts.axes @ values[n : n + 3])
+    if usable is not None:
+        left = np.where(usable[:n], left, np.nan)
+    step = np.diff(left, axis=1)
+    typical = np.nanmedian(np.abs(step), axis=1, keepdims=True) if step.size else np.zeros((n, 1))
+    there = np.abs(step) <= _LARGEST_STEP * typical
+    return np.sum(np.where(there, step, 0.0) ** 2, axis=1), np.count_nonzero(there, axis=1)
 
 
 def _inside(

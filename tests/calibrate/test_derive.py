@@ -38,6 +38,23 @@ def test_what_was_put_in_comes_back(bench) -> None:
     assert found.solution.chi2 / found.solution.freedom == pytest.approx(1.0, abs=0.15)
 
 
+def test_white_noise_is_that_of_the_samples_and_of_bins_where_it_is_not_white(bench) -> None:
+    """Known to the part in a hundred that so many samples allow: a diagnosis sees less than one of bins."""
+    found = derive(bench.simulate(), bench.calibrations)
+    samples = 7 * 72 * 16
+    for noise in found.noise:
+        assert noise.white_deg_sqrt_h == pytest.approx(0.002, rel=4 * np.sqrt(3 / samples) / 2)
+    # A low pass takes most of the steps from sample to sample away, and little of the bins' noise.
+    effect = {
+        "effect": "low_pass",
+        "channels": ["*"],
+        "runs": ["*"],
+        "parameters": {"time_constant_ms": 100.0},
+    }
+    filtered = derive(bench.simulate([effect]), bench.calibrations)
+    assert filtered.noise[0].white_deg_sqrt_h == pytest.approx(0.002, rel=0.25)
+
+
 def test_a_temperature_or_nonlinearity_is_a_departure_and_not_a_scale_factor(bench) -> None:
     effects = [entry("scale_factor_asymmetry", 2, ppm=300.0)]
     found = derive(bench.simulate(effects), bench.calibrations)
