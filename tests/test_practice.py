@@ -12,7 +12,8 @@ import math
 import numpy as np
 import pytest
 
-from fogreduce.estimate.uncertainty import StatedErrors, mean_rate_terms, stated_covariance
+from fogreduce.estimate.curve_terms import mean_rate_terms
+from fogreduce.estimate.uncertainty import StatedErrors, stated_covariance
 from fogreduce.metadata.folder import load_calibration, load_run
 
 RUNS = ["1-xp", "2-xm", "3-yp", "4-ym", "5-zp", "6-zm", "7-xs", "8-st"]

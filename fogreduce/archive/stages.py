@@ -77,14 +77,20 @@ STAGES = {
         ),
         ("block_records", "complete_records", "edge_guard_s", "unstable"),
         ("table", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg"),
-        ("uncertainty",),
+        (*_SCALE_FACTORS, "H", "axes", "uncertainty", "covariance", "noise"),
     ),
     "drift": StageFacts(
         ("reports/fit.json",),
-        ("tables/drift.csv", "tables/rates.csv", "tables/drift_by_records.csv"),
+        (
+            "tables/drift.csv",
+            "tables/rates.csv",
+            "tables/drift_by_records.csv",
+            "tables/budget.csv",
+            "tables/correlations.csv",
+        ),
         ("complete_records",),
         ("table", "frame_signs", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg", "capture"),
-        (*_SCALE_FACTORS, *_BIASES, "H", "axes", "uncertainty"),
+        (*_SCALE_FACTORS, *_BIASES, "H", "axes", "uncertainty", "covariance"),
     ),
 }
 
@@ -99,6 +105,8 @@ _WITHOUT = {
     "drift.csv": (),
     "rates.csv": (),
     "drift_by_records.csv": (),
+    "budget.csv": (),
+    "correlations.csv": (),
 }
 
 

@@ -1,8 +1,7 @@
-"""Standard errors that allow for coloured residuals, from the Allan variance of what a fit leaves.
+"""Coloured noise (IEEE 952: white noise, flicker, random walk): Allan variance, and what it moves.
 
-The residual's bins are described by white noise, flicker and a random walk (IEEE 952) fitted to their Allan
-variance; the covariance of the least-squares curve under that noise follows by the sandwich rule. It
-includes noise only, not the stated uncertainties of calibration and site.
+The covariance of a least-squares curve, or of any other linear function of a run's bins, under that noise.
+It includes noise only, not the stated uncertainties of calibration and site.
 """
 
 from __future__ import annotations
@@ -104,39 +103,45 @@ def _not_negative(columns: Array, target: Array) -> Array:
     return best
 
 
-def coefficient_covariance(columns: Array, noise: ColouredNoise, period_s: float) -> Array:
-    """Covariance of least-squares coefficients under coloured noise.
+def unit_forms(rows: Array, period_s: float) -> Array:
+    """Covariance of linear functions of consecutive bins under unit noise of each kind.
 
     Parameters
     ----------
-    columns : (k, m) array
-        The basis at consecutive bins.
-    noise : ColouredNoise
+    rows : (k, m) array
+        Each function's weight of each bin.
     period_s : float
-        From bin to bin.
+        From bin to bin [s].
 
     Returns
     -------
-    (k, k) array
-        ``(Z Z')^-1 Z Sigma Z' (Z Z')^-1``.
+    (3, k, k) array
+        For white noise, flicker and a walk (from 0 at the first bin) whose coefficient is 1; `combined` adds
+        them up for a `ColouredNoise`.
     """
-    middle = noise.white / period_s * (columns @ columns.T)
-    if noise.flicker > 0:
-        middle += noise.flicker * _flicker_form(columns, period_s)
-    if noise.walk > 0:
-        later = np.cumsum(columns[:, ::-1], axis=1)
-        middle += noise.walk * period_s * (later @ later.T)
-    inverse = np.linalg.inv(columns @ columns.T)
-    return inverse @ middle @ inverse
+    later = np.cumsum(rows[:, ::-1], axis=1)
+    return np.array(
+        [
+            rows @ rows.T / period_s,
+            _flicker_form(rows, period_s),
+            period_s * (later @ later.T),
+        ]
+    )
 
 
-def correlated_covariance(columns: Array, variance: float, time_s: float, period_s: float) -> Array:
-    """Covariance of least-squares coefficients under an error that stays like itself for a time.
+def combined(forms: Array, noise: ColouredNoise) -> Array:
+    """Covariance under a noise: the unit forms (3, ...) times its coefficients."""
+    covariance: Array = noise.white * forms[0] + noise.flicker * forms[1] + noise.walk * forms[2]
+    return covariance
+
+
+def correlated_covariance(rows: Array, variance: float, time_s: float, period_s: float) -> Array:
+    """Covariance of linear functions of consecutive bins under an error that stays like itself for a time.
 
     Parameters
     ----------
-    columns : (k, m) array
-        The basis at consecutive bins.
+    rows : (k, m) array
+        Each function's weight of each bin.
     variance : float
         Of the error.
     time_s : float
@@ -144,10 +149,8 @@ def correlated_covariance(columns: Array, variance: float, time_s: float, period
     period_s : float
         From bin to bin.
     """
-    lag = np.arange(columns.shape[1]) * period_s
-    middle = variance * _stationary_form(columns, np.exp(-lag / time_s))
-    inverse = np.linalg.inv(columns @ columns.T)
-    return inverse @ middle @ inverse
+    lag = np.arange(rows.shape[1]) * period_s
+    return variance * _stationary_form(rows, np.exp(-lag / time_s))
 
 
 def _flicker_form(columns: Array, period_s: float) -> Array:

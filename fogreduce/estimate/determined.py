@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 
 #: A sine of so many standard errors is seen, whatever its error.
 _SEEN = 3.0
-#: Standard deviation of a phase of which nothing is known, uniform in (-pi, pi] [rad].
-ANY_PHASE_RAD = math.pi / math.sqrt(3.0)
+#: What is said of a sine that has no phase.
+NO_PHASE = "d: b is no larger than its error"
 
 
 def why_undetermined(
@@ -54,12 +54,12 @@ def why_undetermined(
     return ""
 
 
-def phase_note(fit: CurveFit, covariance: Array) -> str:
-    """What is to be said of a phase whose error is that of any phase, or larger; else nothing."""
+def has_phase(fit: CurveFit, covariance: Array) -> bool:
+    """Whether the sine is larger than its standard error by `covariance` (4, 4): else no phase is known."""
     if not fit.has_sine:
-        return ""
-    error = amplitude_and_phase(fit.theta, covariance)[3]
-    return "" if error < ANY_PHASE_RAD else "d: a sine too small to have a phase"
+        return False
+    b, error, _, _ = amplitude_and_phase(fit.theta, covariance)
+    return b > error
 
 
 def _largest_error(covariance: Array) -> float:

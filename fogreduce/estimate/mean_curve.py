@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.estimate.propagation import propagated, standard_uncertainties
+
 Array = NDArray[np.float64]
 
 _GRID = 512  # points on which the basis is made orthonormal
@@ -158,17 +160,28 @@ class CurveFit:
         return np.append(self.theta, self.rate_rad_s)
 
 
-def amplitude_and_phase(theta: Array, covariance: Array) -> tuple[float, float, float, float]:
-    """From p = b sin d, q = b cos d: b >= 0, its standard error, d in (-pi, pi] and its standard error."""
-    p, q = theta[1], theta[2]
+def phase_jacobian(theta: Array) -> tuple[float, float, Array]:
+    """From p = b sin d, q = b cos d: b >= 0, d in (-pi, pi], and their derivatives by theta (2, 4).
+
+    Where b is 0, d is nothing and its derivatives are NaN.
+    """
+    p, q = float(theta[1]), float(theta[2])
     b, d = math.hypot(p, q), math.atan2(p, q)
     if d == -math.pi:
         d = math.pi
+    jacobian = np.full((2, 4), math.nan)
+    if b > 0:
+        jacobian = np.array([[0.0, p / b, q / b, 0.0], [0.0, q / b**2, -p / b**2, 0.0]])
+    return b, d, jacobian
+
+
+def amplitude_and_phase(theta: Array, covariance: Array) -> tuple[float, float, float, float]:
+    """From p = b sin d, q = b cos d: b >= 0, its standard error, d in (-pi, pi] and its standard error."""
+    b, d, jacobian = phase_jacobian(theta)
     if b == 0:
         return b, math.nan, d, math.nan
-    part = covariance[1:3, 1:3]
-    along, across = np.array([p, q]) / b, np.array([q, -p]) / b
-    return b, math.sqrt(along @ part @ along), d, math.sqrt(across @ part @ across) / b
+    b_err, d_err = standard_uncertainties(propagated(jacobian, covariance)).tolist()
+    return b, b_err, d, d_err
 
 
 class CurveSums:

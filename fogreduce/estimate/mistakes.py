@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.estimate.curve_projection import CurveProjection
+from fogreduce.estimate.curve_terms import mean_rate_terms
 from fogreduce.estimate.gyro_curves import expected_gyro_curves, rate_curve
-from fogreduce.estimate.uncertainty import StatedErrors, mean_rate_terms, stated_gyro_covariance
+from fogreduce.estimate.uncertainty import StatedErrors, stated_gyro_covariance
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.frames import AXES, DIRECTIONS_ENU, rotation
 from fogreduce.physics.table_motion import Profile

@@ -8,13 +8,12 @@ residuals show and that of what calibration record and run.yaml state as uncerta
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.estimate.uncertainty import mean_rate_terms
+from fogreduce.estimate.curve_terms import mean_rate_terms
 
 Array = NDArray[np.float64]
 
@@ -82,7 +81,7 @@ class RateDifference:
 
 def rate_difference(
     theta: Array,
-    noises: Sequence[Array],
+    noise: Array,
     stated: Array,
     rate_rad_s: float,
     has_sine: bool,
@@ -95,9 +94,8 @@ def rate_difference(
     ----------
     theta : (4,) array
         a, p, q, e of the rate with Earth's part taken away, see `fogreduce.estimate.mean_curve`.
-    noises : sequence of (4, 4) arrays
-        Covariances of theta by different accounts of the noise, white and coloured. The larger error
-        holds: coloured noise is told from few bins, and white noise is the least that there is.
+    noise : (4, 4) array
+        Covariance of theta by noise.
     stated : (4, 4) array
         Covariance of theta by what is stated as uncertain.
     rate_rad_s : float
@@ -113,17 +111,16 @@ def rate_difference(
     def deviation(covariance: Array) -> float:
         return math.sqrt(max(0.0, float(terms @ covariance @ terms)))
 
-    noise = max(deviation(covariance) for covariance in noises)
-    found = RateDifference(span_s[1] - span_s[0], float(terms @ theta), commanded, noise, deviation(stated))
+    measured = float(terms @ theta)
+    found = RateDifference(span_s[1] - span_s[0], measured, commanded, deviation(noise), deviation(stated))
     if not has_sine:
         return found
     part = theta[1:3]
     amplitude = math.hypot(*part)
     along = part / amplitude if amplitude else np.array([1.0, 0.0])
-    covariances = [(covariance + stated)[1:3, 1:3] for covariance in noises]
-    error = max(math.sqrt(max(0.0, float(along @ each @ along))) for each in covariances)
-    sigma = min(_length(part, each) for each in covariances)
-    return replace(found, sine=amplitude, sine_err=error, sine_sigma=sigma)
+    covariance = (noise + stated)[1:3, 1:3]
+    error = math.sqrt(max(0.0, float(along @ covariance @ along)))
+    return replace(found, sine=amplitude, sine_err=error, sine_sigma=_length(part, covariance))
 
 
 def _length(part: Array, covariance: Array) -> float:
@@ -131,17 +128,12 @@ def _length(part: Array, covariance: Array) -> float:
     return math.sqrt(max(0.0, float(part @ np.linalg.pinv(covariance, hermitian=True) @ part)))
 
 
-def over_segments(parts: list[RateDifference]) -> RateDifference:
-    """Of the whole run: noise of the segments independent, what is stated common to all."""
+def over_segments(parts: list[RateDifference], noise: float, stated: float) -> RateDifference:
+    """Of the whole run, with its errors by noise and by what is stated [deg/s]: neither simply adds up."""
     whole = math.fsum(part.duration_s for part in parts)
 
     def mean(values: list[float]) -> float:
         return math.fsum(v * part.duration_s for v, part in zip(values, parts, strict=True)) / whole
 
-    return RateDifference(
-        whole,
-        mean([part.measured for part in parts]),
-        mean([part.commanded for part in parts]),
-        math.hypot(*(part.noise * part.duration_s for part in parts)) / whole,
-        mean([part.stated for part in parts]),
-    )
+    measured, commanded = ([getattr(part, name) for part in parts] for name in ("measured", "commanded"))
+    return RateDifference(whole, mean(measured), mean(commanded), noise, stated)

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.estimate.curve_projection import CurveProjection
-from fogreduce.estimate.mean_curve import integral_terms
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.alignment import axis_rates_from_gyro_rates, gyro_rates_from_axis_rates
 from fogreduce.physics.earth_rate import add_earth_rate
@@ -32,6 +31,40 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+#: What the uncertainty of a result comes from, noise apart.
+GROUPS = ("calibration_record", "turn_on", "azimuth", "latitude", "table_rate")
+#: Parameters of a gyro in a record's covariance, in the order of the departures.
+_RECORD_PARAMETERS = ("scale_factor_rel", "bias_deg_h", "axis1_rad", "axis2_rad")
+
+
+@dataclass(frozen=True)
+class RecordCovariance:
+    """Covariance of what a calibration record states of n gyros.
+
+    Attributes
+    ----------
+    root : (4 n, 4 n) array
+        A square root: root root' is the covariance of scale factor [relative], bias [deg/h] and the axis in
+        two directions [rad], gyro after gyro.
+    directions : (n, 2, 3) array
+        Those directions, in the unit frame.
+    """
+
+    root: Array
+    directions: Array
+
+    @classmethod
+    def of_plain(cls, stated: Mapping[str, Any]) -> RecordCovariance:
+        """From the record's block `covariance`."""
+        names = list(stated["parameters"])
+        n = len(names) // len(_RECORD_PARAMETERS)
+        order = [names.index(f"gyro{i + 1}.{name}") for i in range(n) for name in _RECORD_PARAMETERS]
+        matrix = np.array(stated["matrix"], float)[np.ix_(order, order)]
+        size, turn = np.linalg.eigh((matrix + matrix.T) / 2)
+        directions = np.array(stated["axis_directions"], float).reshape(n, 2, 3)
+        return cls(turn * np.sqrt(np.maximum(size, 0.0)), directions)
+
+
 @dataclass(frozen=True)
 class StatedErrors:
     """Standard deviations that a run and its calibration record state.
@@ -42,6 +75,9 @@ class StatedErrors:
         Of each gyro; `bias` in the unit of the raw readings, `axis_rad` in each of two directions at right
         angles to its axis.
     azimuth_deg, latitude_deg, table_rate_ppm : float
+    record : RecordCovariance or None
+        Of a record that states one: it then stands in for the standard deviations of scale factor, bias and
+        axis.
     """
 
     scale_factor_rel: Array
@@ -51,15 +87,26 @@ class StatedErrors:
     azimuth_deg: float
     latitude_deg: float
     table_rate_ppm: float
+    record: RecordCovariance | None = None
 
     @classmethod
     def of(cls, run: Run, record: CalibrationRecord) -> StatedErrors:
         """From the metadata models, the project's defaults where the record is silent."""
-        return cls.of_plain(run.model_dump(mode="json"), record.stated_uncertainty.model_dump(mode="json"))
+        covariance = None if record.covariance is None else record.covariance.model_dump(mode="json")
+        stated = record.stated_uncertainty.model_dump(mode="json")
+        return cls.of_plain(run.model_dump(mode="json"), stated, covariance)
 
     @classmethod
-    def of_plain(cls, run: Mapping[str, Any], stated: Mapping[str, Any]) -> StatedErrors:
-        """From run.yaml and a record's stated uncertainties as plain, validated data, defaults filled in."""
+    def of_plain(
+        cls,
+        run: Mapping[str, Any],
+        stated: Mapping[str, Any],
+        covariance: Mapping[str, Any] | None = None,
+    ) -> StatedErrors:
+        """From run.yaml and a record's stated uncertainties as plain, validated data, defaults filled in.
+
+        `covariance` as the record has it, None where it has none.
+        """
         raw_unit = unit_of_capture(run["capture"])
         return cls(
             np.array(stated["scale_factor_rel"], float),
@@ -69,6 +116,7 @@ class StatedErrors:
             float(run["azimuth_uncertainty_deg"]),
             float(run["site"]["latitude_uncertainty_deg"]),
             float(run["table"]["rate_uncertainty_ppm"]),
+            None if covariance is None else RecordCovariance.of_plain(covariance),
         )
 
 
@@ -87,30 +135,39 @@ def gyro_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Arr
     -------
     (sources, n, N) array
         [deg/s]: scale factor, bias, axis (two directions) and turn-on bias of each gyro; then azimuth,
-        latitude and table rate.
+        latitude and table rate. Where the record states a covariance, the four of each gyro that it covers
+        are independent combinations of all that it covers.
     """
     n = facts.n_gyros
     motion = axis_rates(facts, time_s)
     readings = gyro_rates_from_axis_rates(motion, facts.axes)
     one = np.ones_like(time_s)
-    found = []
+    record = stated.record
+    alone = np.zeros((n, 5, n, time_s.size))
     for i in range(n):
-        directions = across(facts.axes[i])
-        alone = [
-            stated.scale_factor_rel[i] * readings[i],
-            stated.bias[i] / facts.scale_factor[i] * one,
-            *(stated.axis_rad[i] * (direction @ motion) for direction in directions),
-            stated.turn_on_bias_deg_h[i] / SECONDS_PER_HOUR * one,
-        ]
-        for added in alone:
-            departure = np.zeros((n, time_s.size))
-            departure[i] = added
-            found.append(departure)
+        directions = across(facts.axes[i]) if record is None else record.directions[i]
+        alone[i, :, i] = [readings[i], one, *(direction @ motion for direction in directions), one]
+        alone[i, 4] *= stated.turn_on_bias_deg_h[i] / SECONDS_PER_HOUR
+        if record is None:
+            bias = stated.bias[i] / facts.scale_factor[i]
+            sizes = np.array([stated.scale_factor_rel[i], bias, stated.axis_rad[i], stated.axis_rad[i]])
+            alone[i, :4] *= sizes[:, None, None]
+    if record is not None:
+        alone[:, 1] /= SECONDS_PER_HOUR
+        each = alone[:, :4].reshape(4 * n, -1)
+        alone[:, :4] = (record.root.T @ each).reshape(n, 4, n, -1)
+    found = list(alone.reshape(5 * n, n, -1))
     # The true motion differs; gyros and reduction are nominal.
     found += [
         gyro_rates_from_axis_rates(change, facts.axes) for change in motion_departures(facts, stated, time_s)
     ]
     return np.array(found)
+
+
+def source_groups(n_gyros: int) -> list[str]:
+    """Which of `GROUPS` each source of `gyro_departures` belongs to."""
+    of_gyro = [GROUPS[0]] * 4 + [GROUPS[1]]
+    return of_gyro * n_gyros + list(GROUPS[2:])
 
 
 def departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Array:
@@ -147,8 +204,8 @@ def motion_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> A
     return np.array(found)
 
 
-def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int, terms: int = 4) -> Array:
-    """Covariance of the mean curves of x, y, z that the stated uncertainties allow.
+def stated_theta(facts: RunFacts, stated: StatedErrors, segment: int, terms: int = 4) -> Array:
+    """What each source, at one standard deviation, adds to the mean curves of x, y, z.
 
     Parameters
     ----------
@@ -161,29 +218,39 @@ def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int, terms
 
     Returns
     -------
-    (3, 4, 4) array
-        Of theta = (a, p, q, e) of each axis (see `fogreduce.estimate.mean_curve`); add it to that of noise.
+    (sources, 3, 4) array
+        Of theta = (a, p, q, e) of each axis (see `fogreduce.estimate.mean_curve`), with sign: the same source
+        moves axes and segments together.
     """
     projection = CurveProjection.of(facts.profile, segment, terms)
-    return _covariance(projection, departures(facts, stated, projection.time_s))
+    return projected(projection, departures(facts, stated, projection.time_s))
+
+
+def stated_covariance(facts: RunFacts, stated: StatedErrors, segment: int, terms: int = 4) -> Array:
+    """Covariance of theta of x, y, z each, (3, 4, 4), by all sources of `stated_theta`; noise not in it."""
+    return _covariance(stated_theta(facts, stated, segment, terms))
+
+
+def stated_gyro_theta(facts: RunFacts, stated: StatedErrors, projection: CurveProjection) -> Array:
+    """What each source adds to the curves of the rates that the gyros read: (sources, n, 4)."""
+    return projected(projection, gyro_departures(facts, stated, projection.time_s))
 
 
 def stated_gyro_covariance(facts: RunFacts, stated: StatedErrors, projection: CurveProjection) -> Array:
-    """The same of the curves of the rates that the gyros read, over the segment projected on: (n, 4, 4)."""
-    return _covariance(projection, gyro_departures(facts, stated, projection.time_s))
+    """Covariance of theta of each gyro's rate, (n, 4, 4), by all sources."""
+    return _covariance(stated_gyro_theta(facts, stated, projection))
 
 
-def _covariance(projection: CurveProjection, added: Array) -> Array:
-    """Covariance of theta of each channel, from what each source adds to it: (sources, channels, N)."""
-    theta = np.einsum("kt,sat->ask", projection.to_theta, added)
-    covariance: Array = np.einsum("asj,ask->ajk", theta, theta)
+def projected(projection: CurveProjection, added: Array) -> Array:
+    """Theta of functions of time (sources, channels, N): (sources, channels, 4)."""
+    theta: Array = added @ projection.to_theta.T
+    return theta
+
+
+def _covariance(theta: Array) -> Array:
+    """Covariance of theta of each channel, from what each source adds to it."""
+    covariance: Array = np.einsum("saj,sak->ajk", theta, theta)
     return covariance
-
-
-def mean_rate_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
-    """(4,): the mean of the curve from start to stop [s] is these times theta."""
-    integrals: Array = integral_terms(np.array([start_s, stop_s]), rate_rad_s) @ np.array([-1.0, 1.0])
-    return integrals / (stop_s - start_s)
 
 
 def axis_rates(facts: RunFacts, time_s: Array) -> Array:

@@ -54,6 +54,8 @@ class RunFacts:
         The sign with which each projected axis reads a positive rotation.
     white_noise : (n,) array or None
         Stated angle random walk N [deg/sqrt(h)].
+    bias_instability, rate_random_walk : (n,) arrays or None
+        Stated B [deg/h] and K [deg/h/sqrt(h)].
     """
 
     run_id: str
@@ -74,6 +76,8 @@ class RunFacts:
     unit_from_enu: Array
     frame_signs: Array
     white_noise: Array | None
+    bias_instability: Array | None
+    rate_random_walk: Array | None
 
     @classmethod
     def of(cls, run: Mapping[str, Any], calibration: Mapping[str, Any]) -> RunFacts:
@@ -84,7 +88,10 @@ class RunFacts:
         axes = gyro_axes(projection) if projection is not None else np.array(calibration["axes"], float)
         steps = table["profile"]
         noise = calibration.get("noise") or {}
-        white = noise.get("angle_random_walk_deg_sqrt_h")
+
+        def stated(key: str) -> Array | None:
+            return None if noise.get(key) is None else np.array(noise[key], float)
+
         return cls(
             run_id=run["run_id"],
             unit=run["unit"],
@@ -106,7 +113,9 @@ class RunFacts:
             table_axis=_unit_vector(table["axis"]),
             unit_from_enu=unit_from_enu(run["orientation"], float(run.get("azimuth_deg") or 0.0)),
             frame_signs=np.array(run.get("frame_signs") or [1, 1, 1], float),
-            white_noise=np.array(white, float) if white is not None else None,
+            white_noise=stated("angle_random_walk_deg_sqrt_h"),
+            bias_instability=stated("bias_instability_deg_h"),
+            rate_random_walk=stated("rate_random_walk_deg_h_sqrt_h"),
         )
 
     @property

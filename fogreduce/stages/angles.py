@@ -1,7 +1,7 @@
 """What a fitted curve and the run's bins say of angles and residuals, for figures and for a closer look.
 
-All of it follows from the fits as `fogreduce.stages.fit.as_plain` gives them. Angles use the paper's offset
-rule, as `fogreduce.stages.drift` does: the curve starts at the commanded rate, then it is integrated.
+All of it follows from the fits as `fogreduce.stages.fit_report.as_plain` gives them. Angles use the paper's
+offset rule, as `fogreduce.stages.drift` does: the curve starts at the commanded rate, then it is integrated.
 """
 
 from __future__ import annotations

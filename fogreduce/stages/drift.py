@@ -18,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
-from fogreduce.estimate.mean_curve import curve, integral_terms
+from fogreduce.estimate.curve_terms import drift_terms, plain_terms
+from fogreduce.estimate.mean_curve import curve
 from fogreduce.metadata.facts import RunFacts
+from fogreduce.stages.budget import Budget, Value
 from fogreduce.stages.tables import Cell
 
 NAME = "drift"
@@ -30,7 +32,9 @@ DRIFT = "axis,duration_s,nominal_deg,final_angle_deg,accumulated_error_deg,drift
 DRIFT_COLUMNS = (
     f"{DRIFT},drift_err_deg_h,drift_err_coloured_deg_h,accumulated_err_deg,accumulated_err_coloured_deg,"
     "drift_err_stated_deg_h,accumulated_err_stated_deg,segment,version_id,"
-    "integral_deg,integral_err_deg,integral_err_coloured_deg,integral_err_stated_deg,integral_less_commanded_deg"
+    "integral_deg,integral_err_deg,integral_err_coloured_deg,integral_err_stated_deg,integral_less_commanded_deg,"
+    "drift_err_combined_deg_h,accumulated_err_combined_deg,integral_err_combined_deg,"
+    "drift_coverage_factor,drift_err_expanded_deg_h,integral_coverage_factor,integral_err_expanded_deg"
 ).split(",")
 
 #: Of drift_by_records.csv: by complete records and, where `complete_records` is false, by every record of
@@ -38,32 +42,11 @@ DRIFT_COLUMNS = (
 RULE_COLUMNS = ["axis", "segment", "rule", "records", "drift_deg_h", "drift_err_deg_h", "version_id"]
 
 
-def drift_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
-    """(4,): the accumulated error is these times theta = (a, p, q, e).
-
-    Integral of ``p cos(ct) + q sin(ct) + e t`` over the segment, less the same at its start times the
-    duration; a, the offset, does not count.
-    """
-    duration = stop_s - start_s
-    whole = plain_terms(start_s, stop_s, rate_rad_s)
-    phase = rate_rad_s * start_s
-    at_start = np.array([1.0, math.cos(phase), math.sin(phase), start_s])
-    terms: Array = whole - duration * at_start
-    terms[0] = 0.0
-    return terms
-
-
-def plain_terms(start_s: float, stop_s: float, rate_rad_s: float) -> Array:
-    """(4,): the plain integral of the curve over the segment is these times theta = (a, p, q, e)."""
-    terms: Array = integral_terms(np.array([start_s, stop_s]), rate_rad_s) @ np.array([-1.0, 1.0])
-    return terms
-
-
 @dataclass(frozen=True)
 class Angle:
     """An angle [deg] over a segment and its standard errors [deg].
 
-    `white` is that of white noise, `coloured` that of the noise which the residuals show, `stated` what
+    `white` is that of white noise, `coloured` that of all noise, `stated` what
     calibration record and run.yaml state as uncertain, noise not in it. NaN: not known.
     """
 
@@ -100,13 +83,13 @@ def plain_integral(segment: Mapping[str, Any], item: Mapping[str, Any]) -> Angle
     return angle_of(plain_terms(segment["start_s"], segment["stop_s"], item["rate_rad_s"]), item)
 
 
-def over_segments(parts: Sequence[Angle]) -> Angle:
-    """The sum over segments: their noise independent, and what is stated common to all."""
+def over_segments(parts: Sequence[Angle], whole: Value | None) -> Angle:
+    """The sum over segments; its errors by coloured noise and what is stated are those of the budget."""
     return Angle(
         math.fsum(part.value for part in parts),
         math.hypot(*(part.white for part in parts)),
-        math.hypot(*(part.coloured for part in parts)),
-        math.fsum(part.stated for part in parts),
+        math.nan if whole is None or any(math.isnan(part.coloured) for part in parts) else whole.noise,
+        math.nan if whole is None else whole.stated,
     )
 
 
@@ -120,11 +103,12 @@ def adjusted_curve(
 
 
 def drift_rows(
-    facts: RunFacts, fits: Mapping[str, Any], axes: list[str], version_id: str
+    facts: RunFacts, fits: Mapping[str, Any], axes: list[str], budget: Budget, version_id: str
 ) -> list[list[Cell]]:
     """Rows of drift.csv: each segment, and the whole run where there are several; none without axes.
 
-    The whole run's errors take the noise of the segments as independent, and what is stated as common to all.
+    Over the whole run flicker and random walk go on from segment to segment, and what is stated is common to
+    all of them, with its sign.
     """
     rows: list[list[Cell]] = []
     errors: dict[str, list[Angle]] = {axis: [] for axis in axes}
@@ -141,13 +125,18 @@ def drift_rows(
             )
             errors[axis].append(error)
             integrals[axis].append(integral)
-            rows.append(_row(axis, duration, nominal, error, integral, segment["segment"], version_id))
+            rows.append(
+                _row(axis, duration, nominal, error, integral, budget, segment["segment"], version_id)
+            )
     if len(fits["segments"]) > 1:
         turned = float(facts.profile.edge_angles_deg[-1])
         for axis in axes:
-            error, integral = over_segments(errors[axis]), over_segments(integrals[axis])
+            error, integral = (
+                over_segments(parts[axis], budget.values.get((quantity, axis, "all")))
+                for quantity, parts in (("accumulated_error", errors), ("integral", integrals))
+            )
             nominal = signs[axis] * turned
-            rows.append(_row(axis, facts.profile.end_s, nominal, error, integral, "all", version_id))
+            rows.append(_row(axis, facts.profile.end_s, nominal, error, integral, budget, "all", version_id))
     return rows
 
 
@@ -178,10 +167,15 @@ def _row(
     nominal: float,
     error: Angle,
     integral: Angle,
+    budget: Budget,
     segment: int | str,
     version_id: str,
 ) -> list[Cell]:
     per_hour = SECONDS_PER_HOUR / duration
+    of_drift, of_error, of_integral = (
+        budget.values.get((quantity, axis, segment))
+        for quantity in ("drift", "accumulated_error", "integral")
+    )
     return [
         axis,
         duration,
@@ -202,4 +196,14 @@ def _row(
         integral.coloured,
         integral.stated,
         integral.value - nominal,
+        None if of_drift is None else of_drift.combined,
+        None if of_error is None else of_error.combined,
+        None if of_integral is None else of_integral.combined,
+        *_expanded(of_drift),
+        *_expanded(of_integral),
     ]
+
+
+def _expanded(value: Value | None) -> list[Cell]:
+    """Coverage factor and expanded uncertainty."""
+    return [None, None] if value is None else [value.factor, value.factor * value.combined]

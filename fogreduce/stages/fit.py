@@ -6,8 +6,9 @@ left out: a stamp rounded to the microsecond, or a table that takes time to chan
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,20 +16,15 @@ from numpy.typing import NDArray
 from fogreduce.constants import EARTH_RATE_DEG_S
 from fogreduce.datasets.flags import UNUSABLE_AXES, UNUSABLE_RECORD, RecordFlag
 from fogreduce.estimate.bins import Bins, bin_size, bins_of
-from fogreduce.estimate.coloured import (
-    ColouredNoise,
-    allan_variance,
-    coefficient_covariance,
-    correlated_covariance,
-    fit_noise,
-)
-from fogreduce.estimate.determined import phase_note, why_undetermined
+from fogreduce.estimate.coloured import ColouredNoise, correlated_covariance
+from fogreduce.estimate.determined import NO_PHASE, has_phase, why_undetermined
 from fogreduce.estimate.every_record import Geometries, patterns
 from fogreduce.estimate.mean_curve import CurveBasis, CurveFit, CurveSums, curve
 from fogreduce.estimate.rounding import correlation_time, systematic_variance
 from fogreduce.estimate.uncertainty import StatedErrors, stated_covariance
 from fogreduce.estimate.unstable import Unstable, unstable_intervals
 from fogreduce.metadata.facts import RunFacts
+from fogreduce.stages.curve_noise import CurveNoise
 from fogreduce.stages.ingest import usable_gyros
 
 NAME = "fit"
@@ -36,10 +32,8 @@ NAME = "fit"
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_LEAST_BINS = 16  # fewer do not tell coloured noise from white
 _CURVE_POINTS = 256  # at which a curve's range is looked for
 _TOO_FEW = {4: "b and d: too few records", 2: "e: too few records", 1: ""}
-_WORST_BASIS = 1e7  # condition of the basis at the bins: stamps beyond it are so wrong that no error holds
 
 
 @dataclass(frozen=True)
@@ -83,19 +77,32 @@ class ChannelFit:
     curve : CurveFit
         With the covariance of white noise.
     coloured : (4, 4) array or None
-        Covariance of coloured noise; None where there are too few bins to tell.
+        Covariance of coloured noise and of rounding; None where there are too few bins to tell.
+    rounding : (4, 4) array or None
+        The part of it that is rounding's.
     noise : ColouredNoise or None
         What `coloured` rests on.
     stated : (4, 4) array or None
         Covariance that the stated uncertainties allow, noise not in it; None for a gyro's raw readings.
+    has_phase : bool
+        Whether there is a sine larger than its combined error.
+    undetermined : str
+        What the record does not determine, and why.
     """
 
     channel: str
     curve: CurveFit
     coloured: Array | None
+    rounding: Array | None
     noise: ColouredNoise | None
     stated: Array | None
+    has_phase: bool
     undetermined: str
+
+    @property
+    def terms(self) -> int:
+        """Of the curve, as `CurveBasis.first` takes them."""
+        return 4 if self.curve.has_sine else 2 if self.curve.has_slope else 1
 
 
 @dataclass(frozen=True)
@@ -108,6 +115,15 @@ class SegmentFit:
     rate_deg_s: float
     channels: list[ChannelFit | None]
     complete: list[CurveFit | None]  # of x, y, z over complete records only
+
+
+@dataclass(frozen=True)
+class RunFits:
+    """The fits of all segments, and the noise that their errors rest on."""
+
+    channels: list[str]
+    segments: list[SegmentFit]
+    noise: CurveNoise
 
 
 @dataclass
@@ -230,26 +246,38 @@ class Fit:
         half = self.bin_s / 2
         return self.inside(segment, time_s - half) & self.inside(segment, time_s + half)
 
-    def fits(self, bins: Bins) -> list[SegmentFit]:
+    def fits(self, bins: Bins) -> RunFits:
         """The fitted curves of every segment."""
-        return [
+        noise = CurveNoise(
+            self.facts,
+            bins,
+            self.bin_s,
+            [
+                (segment.basis, self._holds(segment, bins.time_s), self._facts_of(segment).projection)
+                for segment in self.segments
+            ],
+        )
+        segments = [
             SegmentFit(
                 segment.number,
                 segment.start_s,
                 segment.stop_s,
                 segment.rate_deg_s,
-                self._channel_fits(segment, bins),
+                self._channel_fits(segment, noise),
                 self._complete_fits(segment),
             )
             for segment in self.segments
         ]
+        return RunFits(self.channels, segments, noise)
 
-    def _channel_fits(self, segment: Segment, bins: Bins) -> list[ChannelFit | None]:
-        found: list[ChannelFit | None] = []
+    def _channel_fits(self, segment: Segment, noise: CurveNoise) -> list[ChannelFit | None]:
         steps = self._rounding_of_gyros(segment)
-        for channel in range(len(self.channels)):
-            found.append(self._channel_fit(segment, channel, bins, self._rounding(channel, steps)))
-        return found
+        facts = self._facts_of(segment)
+        stated = cache(partial(stated_covariance, facts, self.stated, segment.number))
+        return [
+            self._channel_fit(segment, channel, noise, self._rounding(channel, steps), stated)
+            for channel in range(len(self.channels))
+        ]
 
     def _complete_fits(self, segment: Segment) -> list[CurveFit | None]:
         """The curves of x, y, z over complete records only, as many terms as with all records."""
@@ -291,7 +319,12 @@ class Fit:
         return Rounding(variance, max(each.time_s for each in of_gyros), constant)
 
     def _channel_fit(
-        self, segment: Segment, channel: int, bins: Bins, rounding: Rounding
+        self,
+        segment: Segment,
+        channel: int,
+        noise: CurveNoise,
+        rounding: Rounding,
+        stated: Callable[[int], Array],
     ) -> ChannelFit | None:
         """The curve of a channel with as many terms as its records determine."""
         n = self.facts.n_gyros
@@ -302,60 +335,48 @@ class Fit:
         reasons = []
         if segment.rate_deg_s and not basis.has_sine:
             reasons.append(f"b and d: {abs(turn):.4g} deg of turn do not tell a sine from a line")
+        tells = noise.tells(segment.number - 1, channel)
+        rounded = coloured = None
         for terms in (4, 2, 1) if basis.has_sine else (2, 1):
             sums, index = (segment.gyros, channel) if channel < n else (segment.axes, channel - n)
             fitted = sums.fit(index, terms)
             if fitted is None:
                 reasons.append(_TOO_FEW[terms])
                 continue
-            coloured, noise = self._coloured(segment, channel, bins, fitted, terms, rounding)
-            covariance = fitted.covariance if coloured is None else coloured
+            covariance = fitted.covariance
+            if tells:
+                rounded = self._rounded(segment, noise, terms, rounding)
+                coloured = noise.covariance(segment.number - 1, channel, terms)
+                coloured = covariance = coloured if rounded is None else coloured + rounded
             reason = why_undetermined(fitted, covariance, largest, turn, duration)
             if not reason:
                 break
             reasons.append(reason)
         else:
             return None
-        stated = None
-        if channel >= n:
-            stated = stated_covariance(self._facts_of(segment), self.stated, segment.number, terms)[
-                channel - n
-            ]
-        reasons.append(phase_note(fitted, covariance))
-        said = "; ".join(filter(None, reasons))
-        return ChannelFit(self.channels[channel], fitted, coloured, noise, stated, said)
+        allowed = stated(terms)[channel - n] if channel >= n else None
+        phase = has_phase(fitted, covariance if allowed is None else covariance + allowed)
+        if fitted.has_sine and not phase:
+            reasons.append(NO_PHASE)
+        return ChannelFit(
+            self.channels[channel],
+            fitted,
+            coloured,
+            rounded,
+            noise.of_channel(channel, segment.number - 1).mean if tells else None,
+            allowed,
+            phase,
+            "; ".join(filter(None, reasons)),
+        )
 
-    def _coloured(
-        self,
-        segment: Segment,
-        channel: int,
-        bins: Bins,
-        fitted: CurveFit,
-        terms: int,
-        rounding: Rounding,
-    ) -> tuple[Array | None, ColouredNoise | None]:
-        """Covariance by the noise that the residual's bins show, and that noise; None: too few bins."""
-        time_s = bins.time_s
-        inside = self._holds(segment, time_s)
-        mean = bins.mean[channel][inside]
-        if np.count_nonzero(np.isfinite(mean)) < _LEAST_BINS:
-            return None, None
-        time_s = time_s[inside]
-        basis = segment.basis.first(terms)
-        columns = basis.columns(time_s)
-        if np.linalg.cond(columns) > _WORST_BASIS:
-            return None, None
-        # A bin's mean of the sine is its middle value times sinc of half the turn within the bin.
-        flattened = fitted.with_rate.copy()
-        flattened[1:3] *= np.sinc(fitted.rate_rad_s * self.bin_s / (2 * np.pi))
-        left = mean - curve(time_s, flattened)
-        noise = fit_noise(*allan_variance(left, self.bin_s))
-        covariance = coefficient_covariance(columns, noise, self.bin_s)
-        if rounding.variance > 0:
-            covariance += correlated_covariance(columns, rounding.variance, rounding.time_s, self.bin_s)
-        coloured: Array = basis.to_theta @ covariance @ basis.to_theta.T
-        coloured[0, 0] += rounding.constant
-        return coloured, noise
+    def _rounded(self, segment: Segment, noise: CurveNoise, terms: int, rounding: Rounding) -> Array | None:
+        """Covariance of theta by rounding to counts; None where there is none."""
+        if not rounding.variance > 0:
+            return None
+        rows = noise.segments[segment.number - 1].rows(terms)
+        rounded = correlated_covariance(rows, rounding.variance, rounding.time_s, self.bin_s)
+        rounded[0, 0] += rounding.constant
+        return rounded
 
 
 def _mended(time_s: Array, flag: NDArray[np.uint8]) -> Array:
@@ -370,61 +391,3 @@ def _mended(time_s: Array, flag: NDArray[np.uint8]) -> Array:
 
 def _part(usable: Mask | Array | None, inside: slice | Mask) -> Mask | Array | None:
     return None if usable is None else usable[:, inside]
-
-
-def as_plain(fits: list[SegmentFit], unstable: list[Unstable], bin_s: float) -> dict[str, Any]:
-    """Fits as JSON-ready data, every digit kept."""
-    return {
-        "bin_s": bin_s,
-        "unstable": [
-            {"gyro": f"gyro{item.gyro + 1}", "start_s": item.start_s, "stop_s": item.stop_s}
-            | {"noise_ratio": item.noise_ratio}
-            for item in unstable
-        ],
-        "segments": [
-            {
-                "segment": segment.number,
-                "start_s": segment.start_s,
-                "stop_s": segment.stop_s,
-                "rate_deg_s": segment.rate_deg_s,
-                "channels": [None if item is None else _plain_channel(item) for item in segment.channels],
-                "complete_records": [
-                    None if item is None else _plain_curve(item) for item in segment.complete
-                ],
-            }
-            for segment in fits
-        ],
-    }
-
-
-def _plain_curve(item: CurveFit) -> dict[str, Any]:
-    """What the drift of a curve needs, white noise its only error."""
-    return {
-        "theta": item.theta.tolist(),
-        "covariance": item.covariance.tolist(),
-        "coloured_covariance": None,
-        "stated_covariance": None,
-        "records": item.records,
-        "has_slope": item.has_slope,
-        "rate_rad_s": item.rate_rad_s,
-    }
-
-
-def _plain_channel(item: ChannelFit) -> dict[str, Any]:
-    noise = item.noise
-    return {
-        "channel": item.channel,
-        "theta": item.curve.theta.tolist(),
-        "covariance": item.curve.covariance.tolist(),
-        "sigma": item.curve.sigma,
-        "records": item.curve.records,
-        "has_sine": item.curve.has_sine,
-        "has_slope": item.curve.has_slope,
-        "undetermined": item.undetermined,
-        "rate_rad_s": item.curve.rate_rad_s,
-        "coloured_covariance": None if item.coloured is None else item.coloured.tolist(),
-        "stated_covariance": None if item.stated is None else item.stated.tolist(),
-        "noise": None
-        if noise is None
-        else {"white": noise.white, "flicker": noise.flicker, "walk": noise.walk},
-    }

@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 from fogreduce.constants import EARTH_RATE_DEG_S, SECONDS_PER_HOUR
 from fogreduce.estimate.gyro_curves import expected_gyro_curves, rate_curve
 from fogreduce.estimate.mistakes import MeasuredCurve, MeasuredSegment, likely_mistakes
+from fogreduce.estimate.propagation import from_sources
 from fogreduce.estimate.rate_difference import RateDifference, over_segments, rate_difference
-from fogreduce.estimate.uncertainty import StatedErrors, stated_gyro_covariance
+from fogreduce.estimate.uncertainty import StatedErrors, stated_gyro_theta
 from fogreduce.metadata.facts import RunFacts
+from fogreduce.stages.budget import Budget, Value, add_mean_rate, add_mean_rates_of_all, noise_covariance
 from fogreduce.stages.tables import Cell
 
 Array = NDArray[np.float64]
@@ -29,7 +31,7 @@ RATES = (
     "axis,segment,duration_s,measured_deg_s,commanded_deg_s,difference_deg_s,difference_err_deg_s,"
     "difference_err_noise_deg_s,difference_err_stated_deg_s,difference_deg_h,difference_err_deg_h,"
     "difference_sigma,difference_ppm,difference_err_ppm,sine_deg_h,sine_err_deg_h,sine_sigma,"
-    "verdict,looks_like,version_id"
+    "verdict,looks_like,version_id,coverage_factor,difference_err_expanded_deg_s"
 )
 RATES_COLUMNS = RATES.split(",")
 
@@ -50,7 +52,12 @@ Differences = dict[tuple[str, int | str], RateDifference]
 
 
 def rate_rows(
-    facts: RunFacts, stated: StatedErrors, fits: Mapping[str, Any], axes: Sequence[str], version_id: str
+    facts: RunFacts,
+    stated: StatedErrors,
+    fits: Mapping[str, Any],
+    axes: Sequence[str],
+    budget: Budget,
+    version_id: str,
 ) -> list[list[Cell]]:
     """Rows of rates.csv: of each axis in each segment, and in the whole run where there are several.
 
@@ -62,9 +69,11 @@ def rate_rows(
     facts, stated :
         Of the run.
     fits : mapping
-        See `fogreduce.stages.fit.as_plain`.
+        See `fogreduce.stages.fit_report.as_plain`.
     axes : sequence of str
         Names of the projected axes; none for a unit of one or two gyros.
+    budget : Budget
+        Of the run; what the gyros' mean rates come from is added to it where they stand in.
     version_id : str
     """
     gyros = [f"gyro{i + 1}" for i in range(facts.n_gyros)]
@@ -75,13 +84,18 @@ def rate_rows(
             differences[axis, segment["segment"]] = _of_axis(facts, k, segment, found.get(axis))
     if not any(part.is_known for part in differences.values()):
         for segment, found in zip(fits["segments"], curves, strict=True):
-            of_gyros = _of_gyros(facts, stated, segment, [found.get(gyro) for gyro in gyros])
+            items = [found.get(gyro) for gyro in gyros]
+            of_gyros = _of_gyros(facts, stated, fits, segment, items, budget)
             for gyro, difference in zip(gyros, of_gyros, strict=True):
                 differences[gyro, segment["segment"]] = difference
+        if len(fits["segments"]) > 1:
+            add_mean_rates_of_all(budget, facts, fits, gyros)
     if len(fits["segments"]) > 1:
         for name in dict.fromkeys(name for name, _ in differences):
             parts = [part for (of, _), part in differences.items() if of == name]
-            differences[name, "all"] = over_segments(parts)
+            whole = budget.values.get(("mean_rate", name, "all"))
+            errors = (math.nan, math.nan) if whole is None else (whole.noise, whole.stated)
+            differences[name, "all"] = over_segments(parts, *errors)
     verdicts = _verdicts(facts, differences)
     words = ""
     if any(verdict in (FLAG, GROSS) for verdict in verdicts.values()):
@@ -89,7 +103,10 @@ def rate_rows(
         words = " or ".join(likely_mistakes(facts, stated, _measured(facts, off, gyros)))
     absent = [gyro for gyro in gyros if not any(gyro in found for found in curves)]
     return [
-        _row(key, difference, *_said(facts, verdicts[key], words, absent, difference), version_id)
+        [
+            *_row(key, difference, *_said(facts, verdicts[key], words, absent, difference), version_id),
+            *_expanded(budget.values.get(("mean_rate", *key))),
+        ]
         for key, difference in differences.items()
     ]
 
@@ -101,7 +118,7 @@ def _of_axis(facts: RunFacts, axis: int, segment: Item, item: Item | None) -> Ra
     stated = item["stated_covariance"]
     return rate_difference(
         np.array(item["theta"]),
-        _noises(item),
+        noise_covariance(item),
         np.zeros((4, 4)) if stated is None else np.array(stated),
         item["rate_rad_s"],
         item["has_sine"],
@@ -113,15 +130,17 @@ def _of_axis(facts: RunFacts, axis: int, segment: Item, item: Item | None) -> Ra
 def _of_gyros(
     facts: RunFacts,
     stated: StatedErrors,
+    fits: Mapping[str, Any],
     segment: Mapping[str, Any],
     items: Sequence[Mapping[str, Any] | None],
+    budget: Budget,
 ) -> list[RateDifference]:
     """Of the gyros' own axes: their raw curves as rates, Earth's part taken away."""
     number = segment["segment"]
     projection = MeasuredSegment.of(facts.profile, number, ()).projection
     commanded = facts.axes @ facts.commanded_signs * segment["rate_deg_s"]
     expected = expected_gyro_curves(facts, projection)
-    covariances = stated_gyro_covariance(facts, stated, projection)
+    sources = stated_gyro_theta(facts, stated, projection)
     found = []
     for i, item in enumerate(items):
         if item is None:
@@ -132,26 +151,21 @@ def _of_gyros(
         found.append(
             rate_difference(
                 theta,
-                [noise / facts.scale_factor[i] ** 2 for noise in _noises(item)],
-                covariances[i],
+                noise_covariance(item) / facts.scale_factor[i] ** 2,
+                from_sources(sources[:, i]),
                 item["rate_rad_s"],
                 item["has_sine"],
                 (segment["start_s"], segment["stop_s"]),
                 float(commanded[i]),
             )
         )
+        add_mean_rate(budget, fits, segment, item, found[-1].measured, sources[:, i], facts.scale_factor[i])
     return found
 
 
 def _unknown(segment: Item, commanded: float) -> RateDifference:
     duration = segment["stop_s"] - segment["start_s"]
     return RateDifference(duration, math.nan, commanded, math.nan, math.nan)
-
-
-def _noises(item: Item) -> list[Array]:
-    """Covariances of theta by white noise and, where there are bins enough to tell, by coloured noise."""
-    keys = ("covariance", "coloured_covariance")
-    return [np.array(item[key]) for key in keys if item[key] is not None]
 
 
 def _verdicts(facts: RunFacts, differences: Differences) -> dict[tuple[str, int | str], str]:
@@ -181,7 +195,10 @@ def _measured(facts: RunFacts, segments: Sequence[Item], gyros: Sequence[str]) -
     for segment in segments:
         curves = [
             MeasuredCurve(
-                gyros.index(item["channel"]), np.array(item["theta"]), _noises(item)[-1], item["has_sine"]
+                gyros.index(item["channel"]),
+                np.array(item["theta"]),
+                noise_covariance(item),
+                item["has_sine"],
             )
             for item in segment["channels"]
             if item is not None and item["channel"] in gyros
@@ -234,3 +251,8 @@ def _row(
         words,
         version_id,
     ]
+
+
+def _expanded(value: Value | None) -> list[Cell]:
+    """Coverage factor and expanded uncertainty of a mean rate."""
+    return [None, None] if value is None else [value.factor, value.factor * value.combined]

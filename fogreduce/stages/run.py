@@ -25,6 +25,7 @@ from fogreduce.plausibility.finding import Finding
 from fogreduce.stages import drift as drift_stage
 from fogreduce.stages import encoder as encoder_stage
 from fogreduce.stages import tables
+from fogreduce.stages.budget import BUDGET_COLUMNS, CORRELATIONS_COLUMNS, budget_of
 from fogreduce.stages.calibrate import calibrate
 from fogreduce.stages.dataset import StageDataset
 from fogreduce.stages.files import (
@@ -39,7 +40,8 @@ from fogreduce.stages.files import (
     write_json,
     write_logs,
 )
-from fogreduce.stages.fit import Fit, as_plain
+from fogreduce.stages.fit import Fit
+from fogreduce.stages.fit_report import as_plain
 from fogreduce.stages.ingest import Ingest
 from fogreduce.stages.look import look, write_warnings
 from fogreduce.stages.project import Projection
@@ -167,9 +169,11 @@ def run_drift(setup: Setup, progress: Progress = _silent) -> None:
     fits = read_report(setup, "fit")
     complete_records = setup.complete_records
     try:
-        rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, setup.version_id)
+        budget = budget_of(setup.facts, setup.stated_errors, fits, setup.gyros, setup.axes)
+        rows = drift_stage.drift_rows(setup.facts, fits, setup.axes, budget, setup.version_id)
         rules = drift_stage.rule_rows(fits, setup.axes, complete_records, setup.version_id)
-        rates = rate_rows(setup.facts, setup.stated_errors, fits, setup.axes, setup.version_id)
+        rates = rate_rows(setup.facts, setup.stated_errors, fits, setup.axes, budget, setup.version_id)
+        parts = budget.rows(setup.version_id), budget.correlation_rows(setup.version_id)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         path = setup.out / "reports" / "fit.json"
         found = f"damage ({type(error).__name__}: {error})"
@@ -177,6 +181,8 @@ def run_drift(setup: Setup, progress: Progress = _silent) -> None:
     tables.write_table(setup.table("drift"), drift_stage.DRIFT_COLUMNS, rows)
     tables.write_table(setup.table("rates"), RATES_COLUMNS, rates)
     tables.write_table(setup.table("drift_by_records"), drift_stage.RULE_COLUMNS, rules)
+    tables.write_table(setup.table("budget"), BUDGET_COLUMNS, parts[0])
+    tables.write_table(setup.table("correlations"), CORRELATIONS_COLUMNS, parts[1])
 
 
 def _open_capture(setup: Setup, run_dir: Path) -> Reader:

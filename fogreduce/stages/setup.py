@@ -83,7 +83,8 @@ class Setup:
     @cached_property
     def stated_errors(self) -> StatedErrors:
         """What run.yaml and the calibration record state as uncertain, defaults filled in."""
-        return StatedErrors.of_plain(self.manifest["run"], self.manifest["stated_uncertainty"])
+        covariance = self.manifest["calibration_record"].get("covariance")
+        return StatedErrors.of_plain(self.manifest["run"], self.manifest["stated_uncertainty"], covariance)
 
     @property
     def parameters(self) -> Mapping[str, Any]:

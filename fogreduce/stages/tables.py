@@ -11,11 +11,14 @@ import numpy as np
 
 from fogreduce.datasets.atomic import write_text
 from fogreduce.estimate.mean_curve import amplitude_and_phase
+from fogreduce.estimate.propagation import correlations, standard_uncertainties
 from fogreduce.physics.raw_quantity import RawUnit
 
 _FIT = "a_{u},a_err_{u},b_{u},b_err_{u},c_rad_s,d_rad,d_err_rad,e_{ut},e_err_{ut},sigma_{u},records"
 #: Further columns: errors by other accounts, and where the row belongs.
 _FURTHER = "a_err_{by}_{u},b_err_{by}_{u},d_err_{by}_rad,e_err_{by}_{ut}"
+#: The sine as p = b sin d and q = b cos d, with their combined covariance.
+_SINE = "p_{u},p_err_combined_{u},q_{u},q_err_combined_{u},pq_correlation"
 _PLACE = "segment,start_s,stop_s,table_rate_deg_s,version_id,undetermined"
 
 
@@ -23,7 +26,9 @@ def _fit_columns(channel: str, u: str, ut: str, accounts: Sequence[str]) -> list
     """Columns of a table of mean curves: of values in a unit `u`, of their slopes in `ut`."""
     parts = [channel, _FIT.format(u=u, ut=ut)]
     parts += [_FURTHER.format(by=account, u=u, ut=ut) for account in accounts]
-    return ",".join([*parts, _PLACE]).split(",")
+    return ",".join([*parts, _PLACE, _SINE.format(u=u), _FURTHER.format(by="combined", u=u, ut=ut)]).split(
+        ","
+    )
 
 
 def gyro_fit_columns(raw_unit: RawUnit) -> list[str]:
@@ -57,10 +62,11 @@ def cell_text(cell: Cell) -> str:
 def fit_rows(
     fits: Mapping[str, Any], names: Sequence[str], accounts: Sequence[str], version_id: str
 ) -> list[list[Cell]]:
-    """Rows of gyro_fit.csv or rate_fit.csv from the fits (`fogreduce.stages.fit.as_plain`).
+    """Rows of gyro_fit.csv or rate_fit.csv from the fits (`fogreduce.stages.fit_report.as_plain`).
 
     Errors are one standard deviation. `*_err_*` is that of white noise alone, as the paper's. Of the further
-    accounts, ``coloured`` is that of the white noise, flicker and random walk which the residuals show, and
+    accounts, ``coloured`` is that of white noise, flicker and random walk, averaged over all sizes of them
+    that residuals and calibration record allow; ``combined`` has everything in it; and
     ``stated`` is what calibration record and run.yaml state as uncertain (scale factor, bias, axes, turn-on
     bias, azimuth, latitude, table rate), noise not in it. Parameters that the record does not determine are
     empty, and `undetermined` says why.
@@ -74,8 +80,24 @@ def fit_rows(
             cells = [None] * 10 + [0] if item is None else _fit_cells(item)
             further = [cell for account in accounts for cell in _errors(item, f"{account}_covariance")]
             undetermined = "all: too few usable records" if item is None else item["undetermined"]
-            rows.append([name, *cells, *further, *place, version_id, undetermined])
+            sine, combined = _combined_cells(item)
+            rows.append([name, *cells, *further, *place, version_id, undetermined, *sine, *combined])
     return rows
+
+
+def _combined_cells(item: Mapping[str, Any] | None) -> tuple[list[Cell], list[Cell]]:
+    """P and q with errors and correlation, and the errors of a, b, d, e, by noise and what is stated."""
+    if item is None:
+        return [None] * 5, [None] * 4
+    covariance = np.array(item["coloured_covariance"] or item["covariance"])
+    if item["stated_covariance"] is not None:
+        covariance = covariance + np.array(item["stated_covariance"])
+    errors = _errors({**item, "combined": covariance}, "combined")
+    if not item["has_sine"]:
+        return [None] * 5, errors
+    (p, q), part = item["theta"][1:3], covariance[1:3, 1:3]
+    p_err, q_err = standard_uncertainties(part).tolist()
+    return [p, p_err, q, q_err, float(correlations(part)[0, 1])], errors
 
 
 def _fit_cells(item: Mapping[str, Any]) -> list[Cell]:
@@ -84,7 +106,7 @@ def _fit_cells(item: Mapping[str, Any]) -> list[Cell]:
     sine: list[Cell] = [None] * 5
     if item["has_sine"]:
         b, _, d, _ = amplitude_and_phase(np.array(item["theta"]), np.array(item["covariance"]))
-        sine = [b, b_err, item["rate_rad_s"], d, d_err]
+        sine = [b, b_err, item["rate_rad_s"], d if item["has_phase"] else None, d_err]
     slope = [e, e_err] if item["has_slope"] else [None, None]
     return [a, a_err, *sine, *slope, item["sigma"], item["records"]]
 
@@ -97,5 +119,6 @@ def _errors(item: Mapping[str, Any] | None, key: str) -> list[Cell]:
     e_err = math.sqrt(covariance[3, 3]) if item["has_slope"] else None
     errors: list[Cell] = [math.sqrt(covariance[0, 0]), None, None, e_err]
     if item["has_sine"]:
-        _, errors[1], _, errors[2] = amplitude_and_phase(np.array(item["theta"]), covariance)
+        _, errors[1], _, d_err = amplitude_and_phase(np.array(item["theta"]), covariance)
+        errors[2] = d_err if item["has_phase"] else None
     return errors

@@ -12,8 +12,9 @@ from fogreduce.estimate.coloured import (
     FLICKER_FLAT,
     ColouredNoise,
     allan_variance,
-    coefficient_covariance,
+    combined,
     fit_noise,
+    unit_forms,
 )
 from fogreduce.estimate.mean_curve import CurveBasis
 
@@ -78,6 +79,11 @@ def test_allan_variance_of_the_model_by_hand() -> None:
     assert pytest.approx(0.6643**2, rel=1e-4) == FLICKER_FLAT  # the 0.664 B of every text on the subject
 
 
+def coefficient_covariance(columns: np.ndarray, noise: ColouredNoise, period_s: float) -> np.ndarray:
+    """Covariance of least-squares coefficients under coloured noise."""
+    return combined(unit_forms(np.linalg.inv(columns @ columns.T) @ columns, period_s), noise)
+
+
 def test_white_noise_alone_gives_the_ordinary_covariance() -> None:
     """sigma^2 (Z Z')^-1, and for a mean over m bins sigma^2 / m."""
     columns = CurveBasis.of(0.0, 600.0, 0.5).columns(np.arange(600.0) + 0.5)
@@ -90,51 +96,3 @@ def test_a_random_walks_mean_by_hand() -> None:
     ones = np.ones((1, 5000))
     covariance = coefficient_covariance(ones, ColouredNoise(0.0, 0.0, 0.01), 0.5)
     assert covariance[0, 0] == pytest.approx(0.01 * 2500 / 3, rel=1e-3)  # a sum for an integral: 1.5 / m
-
-
-def flicker_noise(bins: int, generator: np.random.Generator) -> np.ndarray:
-    """Flicker of B = 1 a second, straight from its definition: density 1 / (pi f) from 1e-5 Hz up, by
-    transform.
-
-    A piece out of 2^17 s, so that the transform's period does not show.
-    """
-    size = 2**17
-    frequency = np.fft.rfftfreq(size, 1.0)
-    density = np.where(frequency >= 1e-5, 1 / (np.pi * np.maximum(frequency, 1e-9)), 0.0)
-    spectrum = generator.normal(size=(2, frequency.size)).T.copy().view(complex)[:, 0]
-    # A line of variance S df has amplitudes of variance S df / 2 in cosine and in sine.
-    return np.fft.irfft(spectrum * np.sqrt(density / size) * size / 2)[:bins]
-
-
-@pytest.mark.parametrize("rate", [0.06, 0.0])
-@pytest.mark.parametrize("flicker", [0.0, 1.0])
-def test_stated_errors_are_the_scatter_of_repeated_runs(rate: float, flicker: float) -> None:
-    """200 runs of 6000 s in bins of 1 s, white noise and flicker: each run is fitted, its residual's colour
-    estimated, and each coefficient divided by the error that follows: these scatter by 1.
-
-    The scatter of 200 is known to 5 %, but one run's colour to some 20 % only (the longest averaging times
-    have a few degrees of freedom), and no coefficient is let below zero, so that white noise alone now and
-    then passes for a little colour: 25 % is asked for. Errors of white noise alone would be out by a
-    factor where there is flicker, which is checked too.
-    """
-    runs, bins, white = 200, 6000, 5.0
-    generator = np.random.default_rng(8)
-    basis = CurveBasis.of(0.0, 6000.0, rate)
-    columns = basis.columns(np.arange(bins) + 0.5)
-    inverse = np.linalg.inv(columns @ columns.T)
-    found, stated = [], []
-    for _ in range(runs):
-        values = generator.normal(0.0, white, bins)
-        if flicker:
-            values += flicker * flicker_noise(bins, generator)
-        beta = inverse @ (columns @ values)
-        noise = fit_noise(*allan_variance(values - beta @ columns, 1.0))
-        covariance = coefficient_covariance(columns, noise, 1.0)
-        found.append(basis.to_theta @ beta)
-        stated.append(np.sqrt(np.diag(basis.to_theta @ covariance @ basis.to_theta.T)))
-    known = [0, 1, 2, 3] if rate else [0, 3]
-    in_errors = np.array(found)[:, known] / np.array(stated)[:, known]
-    np.testing.assert_allclose(in_errors.std(axis=0), 1.0, atol=0.25)
-    if flicker:
-        of_white_noise = white * math.sqrt((basis.to_theta @ inverse @ basis.to_theta.T)[0, 0])
-        assert np.std(found, axis=0)[0] > 3 * of_white_noise

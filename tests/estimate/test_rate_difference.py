@@ -14,7 +14,7 @@ WHOLE_TURN = 2 * math.pi / 100.0
 
 def of(theta: list[float], noise: np.ndarray, stated: np.ndarray, **changes) -> RateDifference:
     told = {"rate_rad_s": WHOLE_TURN, "has_sine": True, "span_s": (0.0, 100.0), "commanded": 3.6} | changes
-    return rate_difference(np.array(theta), [0.5 * noise, noise], stated, **told)
+    return rate_difference(np.array(theta), noise, stated, **told)
 
 
 def test_a_whole_turn_by_hand() -> None:
@@ -62,9 +62,8 @@ def test_chances_are_those_of_draws() -> None:
 
 
 def test_the_whole_run_by_hand() -> None:
-    """Noise of segments of 100 and 300 s adds in squares, what is stated adds up."""
+    """Segments of 100 and 300 s count by their lengths; the errors are those that are given."""
     parts = [RateDifference(100.0, 2.0, 1.0, 0.3, 0.1), RateDifference(300.0, -2.0, -1.0, 0.2, 0.3)]
-    whole = over_segments(parts)
+    whole = over_segments(parts, 0.3, 0.4)
     assert (whole.duration_s, whole.measured, whole.commanded) == (400.0, -1.0, -0.5)
-    assert whole.noise == pytest.approx(math.hypot(30.0, 60.0) / 400)
-    assert whole.stated == pytest.approx((10.0 + 90.0) / 400)
+    assert whole.error == pytest.approx(0.5)

@@ -10,8 +10,9 @@ import pytest
 
 from fogreduce.constants import EARTH_RATE_DEG_S
 from fogreduce.effects.selection import select
+from fogreduce.estimate.curve_terms import mean_rate_terms
 from fogreduce.estimate.mean_curve import CurveBasis
-from fogreduce.estimate.uncertainty import StatedErrors, departures, mean_rate_terms, stated_covariance
+from fogreduce.estimate.uncertainty import StatedErrors, departures, stated_covariance
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.folder import load_calibration, load_run
 from fogreduce.physics.earth_rate import remove_earth_rate

@@ -77,8 +77,9 @@ def test_offset_is_what_the_mean_rate_lies_beside_the_command(lab) -> None:
         a, e = float(row["a_deg_s"]), float(row["e_deg_s2"])
         total += (a - commanded) * (stop - start) + e * (stop**2 - start**2) / 2
         if row["b_deg_s"]:
-            b, c, d = (float(row[name]) for name in ("b_deg_s", "c_rad_s", "d_rad"))
-            total += b / c * (math.cos(c * start + d) - math.cos(c * stop + d))
+            p, q, c = (float(row[name]) for name in ("p_deg_s", "q_deg_s", "c_rad_s"))
+            total += p / c * (math.sin(c * stop) - math.sin(c * start))
+            total += q / c * (math.cos(c * start) - math.cos(c * stop))
     found = overview(folder)["offset"]["x"]
     assert found["value"] == pytest.approx(total / 70.0 * 3600.0, abs=1e-6 * found["error"])
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from fogreduce.estimate.curve_terms import drift_terms
 from fogreduce.estimate.mean_curve import curve
-from fogreduce.stages.drift import accumulated_error, adjusted_curve, drift_terms, plain_integral
+from fogreduce.stages.drift import accumulated_error, adjusted_curve, plain_integral
 
 # Table 5 of the paper.
 TABLE_5 = {

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fogreduce.estimate.curve_terms import drift_terms
 from fogreduce.estimate.uncertainty import StatedErrors
 from fogreduce.metadata.folder import load_calibration, load_run
 from fogreduce.physics.earth_rate import remove_earth_rate
 from fogreduce.physics.scale_factor import rate_from_raw
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.nominal_noise import NoiseCoefficients
-from fogreduce.stages.drift import drift_terms
 from fogreduce.stages.fit import Fit
 from fogreduce.stages.project import Projection
 

@@ -124,6 +124,8 @@ rule drift:
         run_file("tables/drift.csv"),
         run_file("tables/rates.csv"),
         run_file("tables/drift_by_records.csv"),
+        run_file("tables/budget.csv"),
+        run_file("tables/correlations.csv"),
     log:
         run_file("logs/drift.log"),
     params:
