@@ -180,7 +180,7 @@ def amplitude_and_phase(theta: Array, covariance: Array) -> tuple[float, float, 
     b, d, jacobian = phase_jacobian(theta)
     if b == 0:
         return b, math.nan, d, math.nan
-    b_err, d_err = standard_uncertainties(propagated(jacobian, covariance)).tolist()
+    b_err, d_err = standard_uncertainties(propagated(jacobian[:, 1:3], covariance[1:3, 1:3])).tolist()
     return b, b_err, d, d_err
 
 
