@@ -11,6 +11,7 @@ from typing import Any
 from fogreduce.diagnosis.diagnose import Diagnosis
 from fogreduce.diagnosis.report import next_run
 from fogreduce.diagnosis.report.html import both, document, items, table
+from fogreduce.diagnosis.report.stale import way_out
 from fogreduce.diagnosis.report.words import (
     captures_in_words,
     closed,
@@ -123,6 +124,7 @@ def _summary(d: Mapping[str, Any], in_results: bool) -> str:
                 f"the catalogue takes part: {percent(d['unknown_probability'])}."
             )
         )
+    parts.append(way_out(d))
     parts += [_paragraph(escape(line)) for line in captures_in_words(d)]
     parts.append(_paragraph(_runs(d, in_results)))
     return f'<div class="box">{"".join(parts)}</div>'
