@@ -34,6 +34,6 @@ def way_out(document: Mapping[str, Any]) -> str:
     command = f"fogreduce derive-calibration {escape(document['campaign'])} --calibrations DIR --out DIR"
     return (
         "<p>The calibration record is stale: what it holds of several gyros is off in all runs. "
-        f"<code>{command}</code>, with the campaign's folder, derives a candidate record from these runs, with "
-        "its errors; no result uses it until a run or a campaign names it.</p>"
+        f"<code>{command}</code>, with the campaign's folder, derives a candidate record from these runs, "
+        "with its errors; no result uses it until a run or a campaign names it.</p>"
     )
