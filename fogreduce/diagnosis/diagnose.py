@@ -13,6 +13,7 @@ from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.how_far.by_cause import Share, shares
 from fogreduce.diagnosis.how_far.closure import Closure, Key, measured
 from fogreduce.diagnosis.how_far.remainder import Remainder, borne_out, remaining
+from fogreduce.diagnosis.how_far.simulated import Source
 from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.outcome import Named, Verdict, judged
 from fogreduce.diagnosis.inference.search import Search
@@ -109,7 +110,9 @@ def diagnose(
     if verdict.word != "no_gap" and not found:
         found = [_faint(verdict, data)]
     closure = None
-    left = remaining(search, verdict.state)
+    left = remaining(
+        search, verdict.state, None if simulated else Source(campaign, calibrations, tuple(only))
+    )
     if verdict.word != "no_gap":
         told("closure")
         closure = measured(search, verdict.state.causes, found)

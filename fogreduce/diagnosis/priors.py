@@ -62,3 +62,7 @@ DEPARTURE = 0.08
 
 #: How long a bias may take to step, beside not at all [s]: a supply or a light source that settles.
 RISE_S = (0.25, 0.5, 1.0, 2.0, 4.0)
+
+#: Campaigns simulated with the causes in them; and how much more than theirs a measured statistic must show:
+#: of a random cause the largest of two draws with ten degrees is exceeded by half in one of a hundred.
+SIMULATED, AS_SIMULATED = 2, 1.5

@@ -14,6 +14,7 @@ import numpy as np
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.how_far.closure import Closure
+from fogreduce.diagnosis.how_far.simulated import Simulated, Source
 from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.outcome import Verdict
@@ -54,7 +55,7 @@ class Remainder:
         return self.p_value < priors.REMAINDER
 
 
-def remaining(search: Search, state: State) -> Remainder:
+def remaining(search: Search, state: State, source: Source | None = None) -> Remainder:
     """Test what a set of causes leaves.
 
     Parameters
@@ -62,19 +63,31 @@ def remaining(search: Search, state: State) -> Remainder:
     search : Search
     state : State
         The causes, fitted on the simulator; none of them: the whole gap is what is left.
+    source : Source or None
+        What captures are simulated from, where something stands out beside causes.
     """
     ground = state.ground
     # causes at the sizes that fit best, of exactly the catalogue's shapes
     exact = Field.of(ground.metric.beside(state.model.slopes), ground.y - state.model.change)
     findings = ground.fast.findings(state.causes)
     sigma = farthest(exact, ground.families, findings, _unnamed(search, state))
-    p = float(np.exp(log_normal_tail(-sigma))) if sigma > 0.0 else 1.0
+    p = _chance(sigma)
     if p >= priors.REMAINDER:
         return Remainder(p, (), ())
     shown = _places(search, state, exact, findings, exact=True)
     further = _places(search, state, state.field, findings, exact=False)
+    if further and state.causes and source is not None:
+        simulated = Simulated(search, state, source)
+        shown, further = ([simulated.left_of(p) for p in part] for part in (shown, further))
+        shown, further = ([p for p in part if p.sigma >= _LEAST] for part in (shown, further))
+        p = _chance(max((p.sigma for p in shown), default=0.0))
     kin = resembling(state.field, ground.candidates, findings, further)
     return Remainder(p, tuple(shown), tuple(further), tuple(kin))
+
+
+def _chance(sigma: float) -> float:
+    """Probability of a normal deviate beyond this; 1 where look-elsewhere takes all."""
+    return float(np.exp(log_normal_tail(-sigma))) if sigma > 0.0 else 1.0
 
 
 def _unnamed(search: Search, state: State) -> Callable[[Field], list[Finding]]:
@@ -92,21 +105,25 @@ def _places(
     """Where a field stands out; unless `exact`, less what departures from the causes' shapes could make."""
 
     def doubt(channels: Sequence[str]) -> float:
-        return 0.0 if exact else search.doubt_at(state, channels)
+        if exact:
+            return 0.0
+        return float(np.hypot(search.doubt_at(state, channels), _implied(state, channels)))
 
-    left = [f if exact else _less_departure(f, state) for f in findings]
+    left = [f if exact else _less(f, _implied(state, f.channels)) for f in findings]
     processes = _unnamed(search, state)
     return places(field, state.ground.families, left, processes, search.data.run_ids, doubt, _LEAST)
 
 
-def _less_departure(finding: Finding, state: State) -> Finding:
-    """A finding of the full rate less what a cause of the same statistic leaves that is not quite of its
-    shape.
+def _implied(state: State, channels: Sequence[str]) -> float:
+    """Signal-to-noise ratio that full-rate causes not quite of their shape may have in any statistic of these
+    channels: samples held in bursts leave a band, a line that drifts leaves its neighbours.
     """
-    mine = [c.finding for c in state.causes if c.finding is not None]
-    kind = finding.domain.split()[0]
-    alike = [f.snr2 for f in mine if f.domain.split()[0] == kind and {*f.channels} & {*finding.channels}]
-    size = priors.DEPARTURE * np.sqrt(max(alike, default=0.0))
+    mine = [c.finding.snr2 for c in state.causes if c.finding is not None and {*c.channels} & {*channels}]
+    return priors.DEPARTURE * float(np.sqrt(max(mine, default=0.0)))
+
+
+def _less(finding: Finding, size: float) -> Finding:
+    """A finding less a signal-to-noise ratio."""
     return replace(finding, snr2=float(max(np.sqrt(max(finding.snr2, 0.0)) - size, 0.0) ** 2))
 
 
@@ -123,5 +140,5 @@ def borne_out(verdict: Verdict, closure: Closure, remainder: Remainder) -> Verdi
     unknown = verdict.unknown_probability
     if remainder.further:
         sigma = max(p.sigma for p in remainder.further)
-        unknown = max(unknown, 1.0 - float(np.exp(log_normal_tail(-sigma))))
+        unknown = max(unknown, 1.0 - _chance(sigma))
     return replace(verdict, word="partly_explained", unknown_probability=unknown)
