@@ -7,7 +7,7 @@ import pytest
 
 for _BUILDERS in (
     str(Path(__file__).parent),
-    *(str(Path(__file__).parents[1] / name) for name in ("gap", "datasets")),
+    *(str(Path(__file__).parents[1] / name) for name in ("diagnosis", "datasets")),
 ):
     if _BUILDERS not in sys.path:
         sys.path.insert(0, _BUILDERS)
