@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ _NEAR = 4.0  # resolved lines on either side of a line taken that went with it
 #: A real line's amplitude and phase wander: what stands beside one taken, d resolved lines away, is its own
 #: doing up to this share of it over d.
 _SKIRT = 0.1
+_RINGS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)  # resolved lines beside one taken, of one noise each
+_USUAL = 4.0  # standard deviations of a quadrature within which a spectrum is noise
+_CLEAR = 6.0  # standard deviations from which on gyros' noises are correlated
 _TURNS = 41  # frequencies tried about a line, within a resolved line
 
 
@@ -146,6 +150,10 @@ class _Group:
     hz : (L,) array
     lines : (R, n, L) array
         Spectra over their noise.
+    apart : (n, n) array
+        What makes the gyros' noises independent.
+    out : lists of float
+        Frequencies of the lines taken out of each gyro.
     free : (n, L) array of bool
         Which lines may still be found.
     """
@@ -160,6 +168,8 @@ class _Group:
     free: NDArray[np.bool_]
     awake: NDArray[np.bool_]
     weights: Array
+    apart: Array
+    out: list[list[float]]
 
     @classmethod
     def of(cls, residuals: Sequence[Array], facts: Sequence[RunFacts]) -> _Group | None:
@@ -183,6 +193,8 @@ class _Group:
             np.ones((n, size), bool),
             np.ones((len(facts), n), bool),
             np.ones(len(facts)),
+            np.eye(n),
+            [[] for _ in range(n)],
         )
         for i in range(n):
             group.measure(i)
@@ -192,7 +204,11 @@ class _Group:
         group.lines *= group.awake[:, :, None]
         counted = np.array([max(s.samples for s in row) for row in streams])
         group.weights = np.sqrt(counted / max(float(counted.max()), 1.0))
-        return None if counted.max() < 64 else group
+        if counted.max() < 64:
+            return None
+        if n > 1 and group.awake.all():
+            group.measure_apart()
+        return group
 
     @property
     def n(self) -> int:
@@ -205,8 +221,23 @@ class _Group:
             stream = streams[i]
             lines = stream.spectrum(self.padded, self.low, self.low + len(self.hz))
             floor = noise_floor(lines, self.padded / max(len(stream.residual), 1))
+            for hz in self.out[i]:
+                self._lift(floor, lines, hz)
             self.floors[r, i] = floor
             self.lines[r, i] = lines / np.sqrt(np.maximum(floor, 1e-300)) * self.awake[r, i]
+
+    def _lift(self, floor: Array, lines: Complex, hz: float) -> None:
+        """Raise the noise beside a line taken to what stands on either side: a dithered one is broad."""
+        step = self.hz[1] - self.hz[0]
+        longest = max(len(row[0].residual) for row in self.streams)
+        at, cell = round((hz - self.hz[0]) / step), self.padded / longest
+        for inner, outer in pairwise(_RINGS):
+            near, far = round(inner * cell), round(outer * cell)
+            sides = [slice(max(at - far, 0), max(at - near, 0)), slice(max(at + near, 0), max(at + far, 0))]
+            power = np.concatenate([0.5 * np.abs(lines[side]) ** 2 for side in sides])
+            if power.size:
+                for side in sides:
+                    floor[side] = np.maximum(floor[side], float(np.median(power)) / np.log(2.0))
 
     def search(self) -> list[Line]:
         """Every line that the odds are for, taken out as it is found; then the best that they are against."""
@@ -249,7 +280,9 @@ class _Group:
                 out[i] = self._of_gyro(i, leaders)
         out.pop(-1, None)
         if self.n > 1 and self.awake.all():
-            power = np.sum(np.abs(np.einsum("nd,rnl->rdl", self.basis(), self.lines)) ** 2, axis=(0, 1))
+            power = np.sum(
+                np.abs(np.einsum("nd,rnl->rdl", self.basis(self.apart), self.lines)) ** 2, axis=(0, 1)
+            )
             free = np.logical_and.reduce(self.free)
             leaders = leading(power, free)
             leaders = leaders[(power[leaders] > 0.0) & free[leaders]]
@@ -278,27 +311,30 @@ class _Group:
         locked, _ = sizes_log(together)
         return np.logaddexp(free + np.log(1.0 - _LOCKED), locked + np.log(_LOCKED)), top
 
-    def basis(self, at: NDArray[np.intp] | None = None) -> Array:
-        """Directions (n, d), orthonormal, of what a motion does to the gyros' spectra over their noise: in
-        the whole spectrum, or in some of its lines (lines, n, d).
+    def basis(self, apart: Array, at: NDArray[np.intp] | None = None) -> Array:
+        """What a motion does to the gyros' spectra over their noise, as d sums of them (n, d) of independent
+        noise: in the whole spectrum, or in some of its lines (lines, n, d). `apart`: as of the group.
         """
         seen = self.facts[0].axes * self.facts[0].frame_signs
         if at is None:
             noise = np.sqrt(np.median(self.floors, axis=(0, 2)))
-            return np.asarray(np.linalg.qr(seen / noise[:, None])[0])
+            return np.asarray(apart @ np.linalg.qr(apart @ (seen / noise[:, None]))[0])
         noise = np.sqrt(np.mean(self.floors[:, :, at], axis=0)).T
-        return np.asarray(np.linalg.qr(seen / noise[:, :, None])[0])
+        return np.asarray(apart @ np.linalg.qr(apart @ (seen / noise[:, :, None]))[0])
 
     def _of_motion(self, leaders: NDArray[np.intp]) -> _Candidate:
-        logs, tops = self.motion_logs(leaders)
+        logs, tops = self.motion_logs(leaders, self.apart)
         k = int(np.argmax(logs))
         log_sum = float(log_mean_exp(logs) + np.log(len(logs))) - np.log(2.0)
         count = min(self.count(i) for i in range(self.n))
         return _Candidate(-1, int(leaders[k]), log_sum - np.log(count), float(tops[k]))
 
-    def motion_logs(self, at: NDArray[np.intp]) -> tuple[Array, Array]:
+    def motion_logs(self, at: NDArray[np.intp], apart: Array) -> tuple[Array, Array]:
         """Ln evidence and gain of motions along one direction, of one phase for all gyros in a run."""
-        y = np.einsum("lnd,rnl->lrd", self.basis(at), self.lines[:, :, at])
+        # over noise that is one for all runs: a strong line's skirt is another in each
+        floors = self.floors[:, :, at]
+        lines = self.lines[:, :, at] * np.sqrt(floors / np.mean(floors, axis=0))
+        y = np.einsum("lnd,rnl->lrd", self.basis(apart, at), lines)
         weighed = y * self.weights[None, :, None]
         cov = np.real(np.einsum("lrd,lre->lde", weighed, weighed.conj()))
         direction = np.linalg.eigh(cov)[1][:, :, -1]
@@ -313,6 +349,16 @@ class _Group:
             mean = mean + np.log(np.minimum(2.0 / gain2, 1.0))
         return mean, top
 
+    def measure_apart(self) -> None:
+        """How gyros' noises are made independent, (n, n): C^(-1/2) of their correlation C."""
+        usual = np.all(np.abs(self.lines) < _USUAL, axis=1)
+        z = np.swapaxes(self.lines, 0, 1)[:, usual]
+        size = np.sqrt(np.mean(np.abs(z) ** 2, axis=1))
+        together = np.real(z @ z.conj().T) / max(z.shape[1], 1) / np.outer(size, size)
+        if np.max(np.abs(together - np.eye(self.n))) > _CLEAR / np.sqrt(max(z.shape[1], 1)):
+            values, vectors = np.linalg.eigh(together)
+            self.apart = (vectors / np.sqrt(np.maximum(values, 1e-3))) @ vectors.T
+
     # ------------------------------------------------------------------------------------- taking
 
     def taken(self, one: _Candidate) -> list[Line]:
@@ -322,7 +368,8 @@ class _Group:
         apart = [c for c in each if c.score(self.n) > 0.0 and self.free[c.gyro, one.index]]
         motion = None
         if self.n > 1 and self.awake.all() and self.free[:, one.index].all():
-            motion = _Candidate(-1, *self._at(self.motion_logs(near), near, 0))
+            # as if the gyros' noises were independent, as for the lines of each
+            motion = _Candidate(-1, *self._at(self.motion_logs(near, np.eye(self.n)), near, 0))
             score = motion.score(self.n)
             several = sum(c.score(self.n) for c in apart)
             # a real motion is a little another one at each gyro: that share of it is no second line
@@ -349,6 +396,7 @@ class _Group:
                 streams[i], fitted = streams[i].without(hz)
                 # what is steady of it, cosine less i times sine
                 size[r, k] = complex(fitted[0, 0], -fitted[0, 1])
+            self.out[i].append(hz)
             self.measure(i)
             longest = max(len(streams[i].residual) for streams in self.streams)
             apart = np.abs(self.hz - hz) / step * (longest / self.padded)  # in resolved lines
@@ -415,9 +463,9 @@ class _Group:
         _, vectors = np.linalg.eigh(np.real(rates @ rates.conj().T))
         axis = vectors[:, -1]
         axis = axis * np.sign(axis[np.argmax(np.abs(axis))])
-        strength = seen @ axis / std  # (R, n)
+        strength = (seen @ axis / std) @ self.apart  # (R, n)
         error = np.sum(strength**2, axis=1) ** -0.5
-        along = np.sum(strength * (size / std), axis=1) * error**2
+        along = np.sum(strength * ((size / std) @ self.apart), axis=1) * error**2
         given = [round(float(v), 6) for v in axis.tolist()] if len(axis) == 3 else [1.0, 0.0, 0.0]
         return along, error, tuple(given)
 
@@ -449,17 +497,16 @@ class _Group:
         `peaks`: gyro, place in the spectrum and amplitudes (R,) of each line taken, so that mixtures are
         looked for in what is left and these, leakage gone.
         """
-        out, first = list(found), self.lines.copy()
+        out, first, free = list(found), self.lines.copy(), self.free.copy()
         for i, index, z in peaks:
-            first[:, i, index] = z
+            first[:, i, index], free[i, index] = z, True
         for i in range(self.n):
             mine = [line for line in found if line.channels == (gyro_name(i),)]
             heard = self.awake[:, i]
             parts = [z for z, there in zip(first[:, i], heard, strict=True) if there]
             if not parts:
                 continue
-            free = np.ones(len(self.hz), bool)
-            mix = mixed(parts, self.hz, free, max(len(self.hz) / 2.0, 1.0))
+            mix = mixed(parts, self.hz, free[i], self.count(i))
             if mix is None:
                 continue
             own = [x for x in mine if any(abs(x.hz - f) < 6.0 * (self.hz[1] - self.hz[0]) for f in mix.hz)]
