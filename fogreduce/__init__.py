@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fogreduce.characterise.allan import allan as allan
     from fogreduce.datasets.view import open_run as open_run
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "open_run"]
+
+#: What Python users call -> its module, imported only when it is asked for: xarray alone costs a second.
+_FUNCTIONS = {
+    "allan": "fogreduce.characterise.allan",
+    "open_run": "fogreduce.datasets.view",
+}
+__all__ = ["__version__", *sorted(_FUNCTIONS)]
 
 
 def __getattr__(name: str) -> Any:
-    # open_run needs xarray, whose import costs a second: only whoever asks for it pays.
-    if name == "open_run":
-        from fogreduce.datasets.view import open_run
-
-        return open_run
+    if name in _FUNCTIONS:
+        return getattr(importlib.import_module(_FUNCTIONS[name]), name)
     raise AttributeError(f"module 'fogreduce' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_FUNCTIONS})

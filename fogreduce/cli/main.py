@@ -28,6 +28,7 @@ COMMANDS = {
     "manifest": ("manifest", "write the manifest of a run (a node of the workflow)"),
     "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
     "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),
+    "allan": ("allan", "Allan deviation and noise coefficients of a reduced run, as tables and a figure"),
     "curve": ("curve", "fit the mean curve of a reduced run with its rate free, by Levenberg-Marquardt"),
     "checksums": ("checksums", "take the checksums of a run's results and keep that version (a node)"),
     "archive": ("archive", "archive reduced campaigns: a BagIt bag each, with all that is needed to redo it"),

@@ -93,7 +93,9 @@ def open_run(path: str | os.PathLike[str]) -> xr.Dataset:
             parts[stage] = _open_stage(path)
             _as_written(path, parts[stage], _needed(stage, parts[stage]))
             _same_run(folder, parts, stage)
-        return _merged(parts)
+        view = _merged(parts)
+        view.encoding["source"] = str(folder.resolve())
+        return view
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         # What a damaged attribute leads to, such as units of time that are no text.
         _close(parts)

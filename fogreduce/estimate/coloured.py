@@ -13,11 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.estimate.allan_variance import Series, overlapping
+from fogreduce.physics.noise import LOWEST_FLICKER_HZ, flicker_allan
+
 Array = NDArray[np.float64]
 
-#: Allan variance of flicker of bias instability B is (2 ln 2 / pi) B^2, whatever the averaging time.
-FLICKER_FLAT = 2 * math.log(2) / math.pi
-_LOWEST_HZ = 1e-5  # the contract's flicker reaches down to here
+#: Allan variance of flicker of bias instability 1, whatever the averaging time.
+FLICKER_FLAT = flicker_allan(1.0) ** 2
 _LONGEST_PART = 8  # averaging times go up to this part of the record
 _ROUNDS = 4
 _ROUNDING = 1e-20
@@ -38,7 +40,7 @@ class ColouredNoise:
 
 
 def allan_variance(values: Array, period_s: float) -> tuple[Array, Array, Array]:
-    """Overlapping Allan variance at octaves, gaps (NaN) left out.
+    """Overlapping Allan variance at octaves; gaps (NaN) do not bias it.
 
     Parameters
     ----------
@@ -51,18 +53,11 @@ def allan_variance(values: Array, period_s: float) -> tuple[Array, Array, Array]
     tau_s, variance, freedom : (j,) arrays
         Averaging times [s], Allan variance, and a conservative number of degrees of freedom.
     """
-    there = ~np.isnan(values)
-    sums = np.concatenate(([0.0], np.cumsum(np.where(there, values, 0.0))))
-    counts = np.concatenate(([0], np.cumsum(there)))
-    found = []
-    factor = 1
+    series, found, factor = Series(values), [], 1
     while factor <= max(1, values.size // _LONGEST_PART) and 2 * factor < values.size:
-        means = (sums[factor:] - sums[:-factor]) / factor
-        whole = (counts[factor:] - counts[:-factor]) == factor
-        steps = means[factor:] - means[:-factor]
-        steps = steps[whole[factor:] & whole[:-factor]]
-        if steps.size:
-            found.append((factor * period_s, 0.5 * float(np.mean(steps**2)), max(1.0, steps.size / factor)))
+        one = overlapping(series, factor)
+        if one.variance >= 0:
+            found.append((factor * period_s, one.variance, max(1.0, one.windows / factor)))
         factor *= 2
     tau, variance, freedom = np.array(found).reshape(-1, 3).T
     return tau, variance, freedom
@@ -157,7 +152,7 @@ def _flicker_form(columns: Array, period_s: float) -> Array:
     """``Z C Z'`` for flicker of B = 1, as a sum of first-order processes two to the octave."""
     lag = np.arange(columns.shape[1]) * period_s
     step = math.log(2) / 2
-    corners = np.exp(np.arange(math.log(_LOWEST_HZ), math.log(0.5 / period_s), step))
+    corners = np.exp(np.arange(math.log(LOWEST_FLICKER_HZ), math.log(0.5 / period_s), step))
     return _stationary_form(
         columns, sum(step / math.pi * np.exp(-2 * math.pi * corner * lag) for corner in corners)
     )

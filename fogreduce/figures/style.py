@@ -99,6 +99,8 @@ def panels(
     height: float,
     widths: Sequence[float] = (1.0,),
     left_margin: float = _LEFT,
+    *,
+    sharing: bool = True,
 ) -> tuple[Figure, list[list[Axes]]]:
     """A figure of panels one above the other, with header and corner.
 
@@ -116,24 +118,27 @@ def panels(
         Relative widths of the columns.
     left_margin : float
         Room for the vertical axis' labels [inch].
+    sharing : bool
+        Whether the panels of a column share their horizontal axis, labelled below the last.
 
     Returns
     -------
-    Figure, and its axes as rows of columns. Axes of one column share their time axis.
+    Figure, and its axes as rows of columns.
     """
     top = _TOP + (_LABEL_LINE if identity.label else 0.0)
-    total = top + rows * height + (rows - 1) * _GAP + _BOTTOM
+    gap = _GAP if sharing else _BOTTOM
+    total = top + rows * height + (rows - 1) * gap + _BOTTOM
     figure = Figure(figsize=(_WIDTH, total))
     free = _WIDTH - left_margin - _RIGHT - _COLUMN_GAP * (len(widths) - 1)
     found: list[list[Axes]] = []
     for row in range(rows):
-        bottom = (total - top - height - row * (height + _GAP)) / total
+        bottom = (total - top - height - row * (height + gap)) / total
         left, axes = left_margin, []
         for column, part in enumerate(widths):
             width = free * part / sum(widths)
             place = (left / _WIDTH, bottom, width / _WIDTH, height / total)
-            axes.append(figure.add_axes(place, sharex=found[0][column] if found else None))
-            axes[-1].tick_params(labelbottom=row == rows - 1)
+            axes.append(figure.add_axes(place, sharex=found[0][column] if found and sharing else None))
+            axes[-1].tick_params(labelbottom=row == rows - 1 or not sharing)
             axes[-1].yaxis.set_label_coords(-_Y_LABEL / width, 0.5)
             axes[-1].xaxis.set_label_coords(0.5, -_X_LABEL / height)
             left += width + _COLUMN_GAP

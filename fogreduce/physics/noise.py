@@ -7,7 +7,12 @@ Bias instability
 Rate random walk
     K deg/h/sqrt(h): steps of K / 60 sqrt(dt) deg/h every dt seconds, from 0 at the run's start.
 
-Units: white noise [deg/s]; flicker and random walk [deg/h], as their coefficients are. Flicker is synthesised
+Quantization
+    White noise of Q arcsec in the angle: differences of it in the rate.
+Rate ramp
+    R deg/h a hour; no noise, but an Allan deviation shows it.
+
+Units: white noise [deg/s]; the others [deg/h], as their coefficients are. Flicker is synthesised
 in `fogreduce.physics.flicker`.
 """
 
@@ -18,6 +23,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.physics.special import cosine_integral
 
 Array = NDArray[np.float64]
@@ -113,3 +119,16 @@ def flicker_covariance(b_deg_h: float, step_s: float, lags: int) -> Array:
     integral[0] = integral[2]
     covariance: Array = -(b_deg_h**2) / math.pi / x0**2 * np.diff(integral, 2)
     return covariance
+
+
+# ------------------------------------------------------------------------ quantization, rate ramp
+
+
+def quantization_allan(q_arcsec: float, tau_s: Array) -> Array:
+    """Allan deviation [deg/h] of quantization: ``sqrt(3) Q / tau`` (an arcsec a second is a deg/h)."""
+    return math.sqrt(3.0) * q_arcsec / tau_s
+
+
+def ramp_allan(r_deg_h2: float, tau_s: Array) -> Array:
+    """Allan deviation [deg/h] of a rate ramp: ``R tau / sqrt(2)``."""
+    return r_deg_h2 * tau_s / SECONDS_PER_HOUR / math.sqrt(2.0)

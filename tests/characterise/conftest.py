@@ -20,3 +20,14 @@ _SPEC.loader.exec_module(derivation_bench)
 def bench(tmp_path: Path) -> Any:
     """Folders of calibration records and campaigns; `simulate` makes a campaign with captures."""
     return derivation_bench.Bench(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def noise() -> Any:
+    """`noise.py` beside this file: series whose Allan variance is known."""
+    spec = importlib.util.spec_from_file_location("characterise_noise", Path(__file__).with_name("noise.py"))
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
