@@ -40,6 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="draw the stated uncertainties; DIR.injected.yaml, beside DIR, says what",
     )
+    parser.add_argument(
+        "--no-captures", action="store_true", help="write DIR/campaign.yaml alone (a node of the workflow)"
+    )
     parser.add_argument("--only-runs", metavar="ID,...", help="simulate these runs only")
     parser.add_argument(
         "--overwrite", action="store_true", help="write over the captures of an earlier simulation in DIR"
@@ -78,7 +81,9 @@ def run(args: argparse.Namespace) -> int:
     plan = prepare(args.campaign, args.calibrations, options)
     if args.export_model is not None:
         _export(plan, args)
-    if args.out is not None:
+    if args.out is not None and args.no_captures:
+        _write_campaign_yaml(plan, args.out)
+    elif args.out is not None:
         _simulate(plan, args.out, args.overwrite)
     return 0
 
@@ -89,6 +94,14 @@ def _export(plan: Plan, args: argparse.Namespace) -> None:
 
     write_text(args.export_model, model_text(plan, args.diagnosis))
     print(f"{args.export_model}: model of {next(iter(plan.records))}")
+
+
+def _write_campaign_yaml(plan: Plan, out: Path) -> None:
+    from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.simulate.campaign import write_campaign_yaml
+
+    with sole_writer(out):
+        write_campaign_yaml(plan, out)
 
 
 def _simulate(plan: Plan, out: Path, overwrite: bool) -> None:

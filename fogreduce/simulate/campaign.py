@@ -58,7 +58,7 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, ove
     marks = own_captures(captures, injected_path(out), overwrite)
     done = 0
     with published(out) as folder:
-        _write_campaign_yaml(plan, folder)
+        write_campaign_yaml(plan, folder)
         for run_id, run in runs.items():
             _copy_metadata(plan, run, folder / "runs" / run_id)
             facts = plan.facts(run_id)
@@ -111,7 +111,7 @@ def _refuse(plan: Plan, out: Path) -> None:
         )
 
 
-def _write_campaign_yaml(plan: Plan, folder: Path) -> None:
+def write_campaign_yaml(plan: Plan, folder: Path) -> None:
     """campaign.yaml, less what says how captures are made: they are there now."""
     if (plan.folder / "campaign.yaml").exists():
         kept = plan.campaign.model_copy(update={"captures_from": None})

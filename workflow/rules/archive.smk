@@ -4,9 +4,9 @@
 rule checksums:
     input:
         manifest=rules.manifest.output[0],
-        drift=rules.drift.output[0],
+        stages=STAGES,
         figures=run_file("figures") if CONFIG.figures.enabled else [],
-        page=run_file("index.html") if CONFIG.pages.enabled else [],
+        page=rules.run_page.output if CONFIG.pages.enabled else [],
     output:
         run_file("outputs.json"),
     log:
@@ -14,7 +14,7 @@ rule checksums:
     params:
         edited=edited_outputs("checksums"),
         code=code_digest("fogreduce.archive.outputs", "fogreduce.archive.versions"),
-        out=RUN,
+        out=subpath(output[0], parent=True),
     shell:
         "fogreduce checksums {params.out:q} > {log:q} 2>&1"
 
@@ -47,11 +47,11 @@ rule bag:
         f"{RESULTS}/_archive/benchmarks/{{campaign}}.tsv"
     params:
         code=code_digest("fogreduce.archive.contents", "fogreduce.archive.write"),
-        results=lambda wildcards, output: Path(output[0]).parent.parent,
+        results=subpath(output[0], ancestor=2),
         campaigns=CONFIG.campaigns_dir,
         calibrations=CONFIG.calibrations_dir,
         source=Path(workflow.basedir),
-        out=lambda wildcards, output: Path(output[0]).parent,
+        out=subpath(output[0], parent=True),
     shell:
         "fogreduce archive {params.results:q} --only {wildcards.campaign} --campaigns {params.campaigns:q}"
         " --calibrations {params.calibrations:q} --source {params.source:q} --out {params.out:q} --by-digest"

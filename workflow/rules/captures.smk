@@ -1,10 +1,30 @@
 """Captures that are not kept but made, where campaign.yaml says `captures_from`."""
 
 
+rule make_campaign:
+    input:
+        planned=lambda wildcards: planned(wildcards.campaign),
+        about=files_of_campaign,
+        calibrations=campaign_calibrations,
+    output:
+        f"{MADE}/{{campaign}}/campaign.yaml",
+    log:
+        f"{SUMMARY}/logs/campaign-{{campaign}}.log",
+    params:
+        folder=folder_of_campaign,
+        calibrations=folder_of_records,
+        out=subpath(output[0], parent=True),
+    shell:
+        "fogreduce simulate {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
+        " --no-captures > {log:q} 2>&1"
+
+
 rule make_capture:
     input:
-        campaign=lambda wildcards: f"{CONFIG.campaigns_dir}/{wildcards.campaign}/campaign.yaml",
-        run=lambda wildcards: f"{CONFIG.campaigns_dir}/{wildcards.campaign}/runs/{wildcards.run}/run.yaml",
+        about=files_of_campaign,
+        run=lambda wildcards: files_in(
+            f"{CONFIG.campaigns_dir}/{wildcards.campaign}/runs/{wildcards.run}"
+        ),
         calibrations=calibration_inputs,
     output:
         directory(f"{MADE}/{{campaign}}/runs/{{run}}"),
@@ -14,9 +34,9 @@ rule make_capture:
         code=code_digest("fogreduce.simulate.campaign", "fogreduce.simulate.plan"),
         lock=LOCK,
         run=run_says,
-        folder=f"{CONFIG.campaigns_dir}/{{campaign}}",
-        calibrations=CONFIG.calibrations_dir,
-        out=f"{MADE}/{{campaign}}",
+        folder=folder_of_campaign,
+        calibrations=folder_of_records,
+        out=subpath(output[0], ancestor=2),
     shell:
         "rm -rf {output:q} && "
         "fogreduce simulate {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"

@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 import re
-import shlex
 import subprocess
 import sys
 import tempfile
@@ -123,11 +122,69 @@ def files_in(folder):
         )
 
 
-RUN_FOLDER = (
-    run_folder
-    if MADE_CAMPAIGNS
-    else f"{CONFIG.campaigns_dir}/{{campaign}}/runs/{{run}}"
-)
+def folder_of_run(wildcards, input):
+    """The folder that holds a run's run.yaml and capture, where this job finds it."""
+    made = wildcards.campaign in MADE_CAMPAIGNS
+    return input.run[0] if made else os.path.dirname(input.run[0])
+
+
+def campaign_file(wildcards):
+    """The campaign's campaign.yaml, where it has one."""
+    path = f"{CONFIG.campaigns_dir}/{wildcards.campaign}/campaign.yaml"
+    return [path] if os.path.exists(path) else []
+
+
+def files_of_campaign(wildcards):
+    """The files of a campaign's own folder, campaign.yaml among them."""
+    return files_in(f"{CONFIG.campaigns_dir}/{wildcards.campaign}")
+
+
+def folder_of_campaign(wildcards, input):
+    """The folder that holds a campaign.yaml, where this job finds it."""
+    return os.path.dirname(input.about[0])
+
+
+def old_campaign_file(wildcards):
+    """The same for rules of a run, where what of it counts is a parameter: another text alone changes nothing."""
+    if wildcards.campaign in MADE_CAMPAIGNS:
+        return ancient([f"{MADE}/{wildcards.campaign}/campaign.yaml"])
+    return ancient(campaign_file(wildcards))
+
+
+def planned(*names):
+    """The run.yaml and campaign.yaml of campaigns: which runs there are."""
+    files = []
+    for name in names:
+        files += [str(run / "run.yaml") for run in FOUND[name][0]]
+        files += [
+            path
+            for path in [f"{CONFIG.campaigns_dir}/{name}/campaign.yaml"]
+            if os.path.exists(path)
+        ]
+    return files
+
+
+def folder_of_campaigns(wildcards, input):
+    """The folder of all campaigns, where this job finds it."""
+    first = input.planned[0]
+    parts = 2 if first.endswith("campaign.yaml") else 4
+    for _ in range(parts):
+        first = os.path.dirname(first)
+    return first
+
+
+def of_runs(name, *campaigns):
+    """A file of the results of every run of campaigns."""
+    return [
+        f"{RESULTS}/{campaign}/{run}/{name}"
+        for campaign, run in RUNS
+        if campaign in campaigns
+    ]
+
+
+def folder_of_records(wildcards, input):
+    """The folder of the calibration records, where this job finds it."""
+    return os.path.dirname(os.path.dirname(input.calibrations[0]))
 
 
 def run_inputs(wildcards):
@@ -350,10 +407,11 @@ def diagnosed_inputs(wildcards):
     )
 
 
-def diagnosed_folder(wildcards):
-    """The campaign's folder with its captures."""
-    parent = MADE if wildcards.campaign in MADE_CAMPAIGNS else CONFIG.campaigns_dir
-    return f"{parent}/{wildcards.campaign}"
+def diagnosed_folder(wildcards, input):
+    """The campaign's folder with its captures, where this job finds it."""
+    folder = os.path.dirname(os.path.dirname(input.runs[0]))
+    made = wildcards.campaign in MADE_CAMPAIGNS
+    return folder if made else os.path.dirname(folder)
 
 
 def summary_tables():
@@ -362,21 +420,14 @@ def summary_tables():
     return [f"{SUMMARY}/{name}.csv" for name in names]
 
 
-def summary_command(out):
-    """The command that gathers the tables of all runs into a folder."""
-    return shlex.join(
-        ["fogreduce", "summary", "--results", RESULTS, "--out", out]
-        + ["--campaigns", CONFIG.campaigns_dir, *CONFIG.campaigns]
-    )
-
-
-SUMMARY_COMMAND = summary_command(SUMMARY)
-
-
 def summarize(out):
     """Gather with what is there; nothing, or what went wrong."""
     done = subprocess.run(
-        summary_command(out), shell=True, capture_output=True, text=True, check=False
+        ["fogreduce", "summary", "--results", RESULTS, "--out", out]
+        + ["--campaigns", CONFIG.campaigns_dir, *CONFIG.campaigns],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     return done.stderr if done.returncode else ""
 

@@ -8,6 +8,7 @@ person puts it among the calibration records and names it.
 rule derive_calibration:
     input:
         runs=diagnosed_inputs,
+        about=old_campaign_file,
         calibrations=campaign_calibrations,
     output:
         # The record has its content's digest in its name, so that older candidates stay; there is none where
@@ -21,8 +22,8 @@ rule derive_calibration:
         lock=LOCK,
         folder=diagnosed_folder,
         about=lambda wildcards: ABOUT[wildcards.campaign].model_dump_json(),
-        out=lambda wildcards: f"{RESULTS}/{wildcards.campaign}/_calibration",
-        calibrations=CONFIG.calibrations_dir,
+        out=subpath(output.document, parent=True),
+        calibrations=folder_of_records,
     shell:
         "fogreduce derive-calibration {params.folder:q} --calibrations {params.calibrations:q}"
         " --out {params.out:q} --by-digest > {log:q} 2>&1"
@@ -40,7 +41,7 @@ rule unit_page:
     params:
         code=code_digest("fogreduce.calibrate.unit_page"),
         templates=data_digest(TEMPLATES),
-        calibrations=CONFIG.calibrations_dir,
+        calibrations=subpath(input[0], ancestor=2),
     shell:
         "fogreduce calibrations page {wildcards.unit} --calibrations {params.calibrations:q} --out {output:q}"
         " > {log:q} 2>&1"

@@ -4,6 +4,7 @@
 rule diagnose:
     input:
         runs=diagnosed_inputs,
+        about=old_campaign_file,
         calibrations=campaign_calibrations,
     output:
         document=f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json",
@@ -17,8 +18,8 @@ rule diagnose:
         ),
         lock=LOCK,
         folder=diagnosed_folder,
-        out=lambda wildcards: f"{RESULTS}/{wildcards.campaign}/_diagnosis",
-        calibrations=CONFIG.calibrations_dir,
+        out=subpath(output.document, parent=True),
+        calibrations=folder_of_records,
     shell:
         "fogreduce diagnose {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
         " > {log:q} 2>&1"

@@ -5,10 +5,7 @@ rule figures:
     input:
         run=run_inputs,
         manifest=run_file("manifest.json"),
-        bins=run_file("datasets/bins.nc"),
-        fit=run_file("reports/fit.json"),
-        ingest=run_file("reports/ingest.json"),
-        drift=[run_file("tables/drift.csv"), run_file("tables/rates.csv")],
+        stages=STAGES,
     output:
         directory(run_file("figures")),
     log:
@@ -21,8 +18,8 @@ rule figures:
             "fogreduce.figures.save",
         ),
         lock=LOCK,
-        folder=RUN_FOLDER,
-        out=RUN,
+        folder=folder_of_run,
+        out=subpath(output[0], parent=True),
         formats=",".join(CONFIG.figures.formats),
     shell:
         "fogreduce figures --run {params.folder:q} --out {params.out:q} --formats {params.formats}"

@@ -4,9 +4,7 @@
 rule run_page:
     input:
         manifest=run_file("manifest.json"),
-        ingest=run_file("datasets/ingest.nc"),
-        reports=[run_file("reports/ingest.json"), run_file("reports/fit.json")],
-        drift=[run_file("tables/drift.csv"), run_file("tables/rates.csv")],
+        stages=STAGES,
         figures=run_file("figures") if CONFIG.figures.enabled else [],
     output:
         run_file("index.html"),
@@ -17,23 +15,18 @@ rule run_page:
         edited=edited_outputs("run_page"),
         code=code_digest("fogreduce.pages.overview", "fogreduce.pages.run_page"),
         templates=data_digest(TEMPLATES),
-        out=RUN,
+        out=subpath(output[0], parent=True),
     shell:
         "fogreduce page run {params.out:q} > {log:q} 2>&1"
 
 
 rule campaign_page:
     input:
-        runs=lambda wildcards: [
-            f"{RESULTS}/{wildcards.campaign}/{run}/index.html"
-            for campaign, run in RUNS
-            if campaign == wildcards.campaign
-        ],
-        about=lambda wildcards: [
-            path
-            for path in [f"{CONFIG.campaigns_dir}/{wildcards.campaign}/campaign.yaml"]
-            if os.path.exists(path)
-        ],
+        planned=lambda wildcards: planned(wildcards.campaign),
+        runs=lambda wildcards: of_runs("index.html", wildcards.campaign),
+        manifests=lambda wildcards: of_runs("manifest.json", wildcards.campaign),
+        overviews=lambda wildcards: of_runs("reports/overview.json", wildcards.campaign),
+        drift=lambda wildcards: of_runs("tables/drift.csv", wildcards.campaign),
         diagnosis=lambda wildcards: (
             [f"{RESULTS}/{wildcards.campaign}/_diagnosis/index.html"]
             if wildcards.campaign in DIAGNOSED
@@ -53,16 +46,20 @@ rule campaign_page:
     params:
         code=code_digest("fogreduce.pages.gather", "fogreduce.pages.campaign_page"),
         templates=data_digest(TEMPLATES),
-        campaigns=CONFIG.campaigns_dir,
-        folder=lambda wildcards, output: Path(output[0]).parent,
+        campaigns=folder_of_campaigns,
+        folder=subpath(output[0], parent=True),
     shell:
         "fogreduce page campaign {params.folder:q} --campaigns {params.campaigns:q} > {log:q} 2>&1"
 
 
 rule index_page:
     input:
-        campaign_pages(),
-        expand(f"{RESULTS}/_units/{{unit}}.html", unit=UNITS),
+        campaigns=campaign_pages(),
+        units=expand(f"{RESULTS}/_units/{{unit}}.html", unit=UNITS),
+        planned=planned(*CAMPAIGNS),
+        manifests=of_runs("manifest.json", *CAMPAIGNS),
+        overviews=of_runs("reports/overview.json", *CAMPAIGNS),
+        drift=of_runs("tables/drift.csv", *CAMPAIGNS),
     output:
         f"{RESULTS}/index.html",
     log:
@@ -72,7 +69,7 @@ rule index_page:
     params:
         code=code_digest("fogreduce.pages.gather", "fogreduce.pages.index_page"),
         templates=data_digest(TEMPLATES),
-        campaigns=CONFIG.campaigns_dir,
-        folder=lambda wildcards, output: Path(output[0]).parent,
+        campaigns=folder_of_campaigns,
+        folder=subpath(output[0], parent=True),
     shell:
         "fogreduce page index {params.folder:q} --campaigns {params.campaigns:q} > {log:q} 2>&1"

@@ -8,6 +8,7 @@ output of the stages: so what changes one of them remakes the manifest and, with
 rule manifest:
     input:
         run=run_inputs,
+        about=old_campaign_file,
         calibrations=calibration_inputs,
     output:
         run_file("manifest.json"),
@@ -20,9 +21,9 @@ rule manifest:
         readers=READERS,
         run=run_says,
         label=RUN_LABEL,
-        folder=RUN_FOLDER,
-        out=RUN,
-        calibrations=CONFIG.calibrations_dir,
+        folder=folder_of_run,
+        out=subpath(output[0], parent=True),
+        calibrations=folder_of_records,
         parameters=CONFIG.reduction.model_dump_json(),
     shell:
         "fogreduce manifest {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
@@ -43,8 +44,8 @@ rule ingest:
         run_file("logs/ingest.log"),
     params:
         edited=edited_outputs("ingest"),
-        folder=RUN_FOLDER,
-        out=RUN,
+        folder=folder_of_run,
+        out=subpath(output[0], ancestor=2),
     shell:
         "fogreduce stage ingest --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
 
@@ -59,7 +60,7 @@ rule calibrate:
         run_file("logs/calibrate.log"),
     params:
         edited=edited_outputs("calibrate"),
-        out=RUN,
+        out=subpath(output[0], ancestor=2),
     shell:
         "fogreduce stage calibrate --out {params.out:q} > {log:q} 2>&1"
 
@@ -74,7 +75,7 @@ rule project:
         run_file("logs/project.log"),
     params:
         edited=edited_outputs("project"),
-        out=RUN,
+        out=subpath(output[0], ancestor=2),
     shell:
         "fogreduce stage project --out {params.out:q} > {log:q} 2>&1"
 
@@ -90,8 +91,8 @@ rule remove_earth:
         run_file("logs/remove_earth.log"),
     params:
         edited=edited_outputs("remove_earth"),
-        folder=RUN_FOLDER,
-        out=RUN,
+        folder=folder_of_run,
+        out=subpath(output[0], ancestor=2),
     shell:
         "fogreduce stage remove_earth --run {params.folder:q} --out {params.out:q} > {log:q} 2>&1"
 
@@ -111,7 +112,7 @@ rule fit:
         run_file("logs/fit.log"),
     params:
         edited=edited_outputs("fit"),
-        out=RUN,
+        out=subpath(output[0], ancestor=2),
     shell:
         "fogreduce stage fit --out {params.out:q} > {log:q} 2>&1"
 
@@ -130,6 +131,17 @@ rule drift:
         run_file("logs/drift.log"),
     params:
         edited=edited_outputs("drift"),
-        out=RUN,
+        out=subpath(output[0], ancestor=2),
     shell:
         "fogreduce stage drift --out {params.out:q} > {log:q} 2>&1"
+
+
+#: What the stages of a run leave.
+STAGES = [
+    *rules.ingest.output,
+    *rules.calibrate.output,
+    *rules.project.output,
+    *rules.remove_earth.output,
+    *rules.fit.output,
+    *rules.drift.output,
+]

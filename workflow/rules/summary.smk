@@ -3,9 +3,11 @@
 
 rule summary:
     input:
-        drift=expand(run_file("tables/drift.csv"), zip, **run_wildcards()),
-        rates=expand(run_file("tables/rate_fit.csv"), zip, **run_wildcards()),
-        commanded=expand(run_file("tables/rates.csv"), zip, **run_wildcards()),
+        planned=planned(*CAMPAIGNS),
+        manifests=of_runs("manifest.json", *CAMPAIGNS),
+        drift=of_runs("tables/drift.csv", *CAMPAIGNS),
+        rates=of_runs("tables/rate_fit.csv", *CAMPAIGNS),
+        commanded=of_runs("tables/rates.csv", *CAMPAIGNS),
     output:
         summary_tables(),
     log:
@@ -16,6 +18,10 @@ rule summary:
         code=code_digest("fogreduce.stages.summary"),
         # Not the runs themselves: thousands do not fit on a command line.
         runs=hashlib.sha256(json.dumps(RUNS).encode()).hexdigest(),
-        command=SUMMARY_COMMAND,
+        campaigns=folder_of_campaigns,
+        names=CONFIG.campaigns,
+        results=subpath(output[0], ancestor=2),
+        out=subpath(output[0], parent=True),
     shell:
-        "{params.command} > {log:q} 2>&1"
+        "fogreduce summary --results {params.results:q} --out {params.out:q}"
+        " --campaigns {params.campaigns:q} {params.names:q} > {log:q} 2>&1"
