@@ -67,10 +67,15 @@ def run(args: argparse.Namespace) -> int:
 
     if args.out is None and args.export_model is None:
         raise BadInput.at("--out", "", found="nothing", expected="a folder for the campaign")
+    if args.no_captures and args.out is None:
+        raise BadInput.at("--no-captures", "", found="no --out", expected="both, or neither")
     if args.diagnosis is not None and args.export_model is None:
         raise BadInput.at("--diagnosis", "", found="no --export-model", expected="both, or --effects")
     if args.seed is not None and args.seed < 0:
         raise BadInput.at("--seed", "", found=args.seed, expected="a whole number, 0 or more")
+    if args.no_captures:
+        _write_campaign_yaml(args.campaign, args.out)
+        return 0
     options = Options(
         effects_file=args.effects,
         seed=args.seed,
@@ -81,9 +86,7 @@ def run(args: argparse.Namespace) -> int:
     plan = prepare(args.campaign, args.calibrations, options)
     if args.export_model is not None:
         _export(plan, args)
-    if args.out is not None and args.no_captures:
-        _write_campaign_yaml(plan, args.out)
-    elif args.out is not None:
+    if args.out is not None:
         _simulate(plan, args.out, args.overwrite)
     return 0
 
@@ -96,12 +99,12 @@ def _export(plan: Plan, args: argparse.Namespace) -> None:
     print(f"{args.export_model}: model of {next(iter(plan.records))}")
 
 
-def _write_campaign_yaml(plan: Plan, out: Path) -> None:
+def _write_campaign_yaml(campaign: Path, out: Path) -> None:
     from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.simulate.campaign import write_campaign_yaml
 
     with sole_writer(out):
-        write_campaign_yaml(plan, out)
+        write_campaign_yaml(campaign, out)
 
 
 def _simulate(plan: Plan, out: Path, overwrite: bool) -> None:

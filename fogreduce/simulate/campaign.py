@@ -10,6 +10,7 @@ from fogreduce.datasets.atomic import write_text
 from fogreduce.datasets.logs import write_log
 from fogreduce.datasets.run_logs import table_log_of, temperatures_of
 from fogreduce.errors import BadInput
+from fogreduce.metadata.folder import load_campaign
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
 from fogreduce.simulate.capture import (
@@ -58,7 +59,7 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, ove
     marks = own_captures(captures, injected_path(out), overwrite)
     done = 0
     with published(out) as folder:
-        write_campaign_yaml(plan, folder)
+        write_campaign_yaml(plan.folder, folder)
         for run_id, run in runs.items():
             _copy_metadata(plan, run, folder / "runs" / run_id)
             facts = plan.facts(run_id)
@@ -94,7 +95,10 @@ def _counted(blocks: Blocks, done: int, told: Told) -> Iterator[SimulatedBlock]:
 
 
 def _refuse(plan: Plan, out: Path) -> None:
-    """An output folder that is the campaign itself, lies in it, or holds other runs."""
+    """An output folder that is the campaign itself, lies in it, or holds runs of another campaign.
+
+    (Where some runs are added to a folder, which others stand there is not asked.)
+    """
     if out.exists() and not out.is_dir():
         raise BadInput.at(out, "", found="a file", expected="a folder, or nothing yet")
     if out.resolve().is_relative_to(plan.folder.resolve()):
@@ -105,16 +109,16 @@ def _refuse(plan: Plan, out: Path) -> None:
     runs = out / "runs"
     present = {path.name for path in runs.iterdir()} if runs.is_dir() else set()
     others = sorted(name for name in present - set(plan.runs) if not name.startswith("."))
-    if others:
+    if others and not plan.some:
         raise BadInput.at(
             runs, "", found=f"runs of another campaign ({', '.join(others)})", expected="an empty folder"
         )
 
 
-def write_campaign_yaml(plan: Plan, folder: Path) -> None:
+def write_campaign_yaml(campaign: Path, folder: Path) -> None:
     """campaign.yaml, less what says how captures are made: they are there now."""
-    if (plan.folder / "campaign.yaml").exists():
-        kept = plan.campaign.model_copy(update={"captures_from": None})
+    if (campaign / "campaign.yaml").exists():
+        kept = load_campaign(campaign).model_copy(update={"captures_from": None})
         write_text(folder / "campaign.yaml", dump_yaml(kept.model_dump(mode="json", exclude_none=True)))
 
 

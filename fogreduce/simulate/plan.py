@@ -56,11 +56,13 @@ class Plan:
         The campaign's.
     campaign : Campaign
     runs : dict
-        All runs by id.
+        Runs by id: all, or those to make where they depend on no other.
     records : dict
         Calibration records by id (``<unit>@<version>``).
     chosen : list of str
         Ids of the runs to make.
+    some : bool
+        Whether the campaign may have more runs than are to be made.
     effects, drawn : tuples of EffectEntry
         What the effects file holds; what was drawn of the stated uncertainties.
     actions : list of Action
@@ -76,6 +78,7 @@ class Plan:
     runs: dict[str, Run]
     records: dict[str, CalibrationRecord]
     chosen: list[str]
+    some: bool
     effects: tuple[EffectEntry, ...]
     drawn: tuple[EffectEntry, ...]
     actions: list[Action]
@@ -115,7 +118,10 @@ def facts_of(run: Run, record: CalibrationRecord) -> RunFacts:
 def prepare(campaign_dir: Path, calibrations_dir: Path, options: Options) -> Plan:
     """Read and check everything that a simulation needs; BadInput with every fault."""
     campaign = load_campaign(campaign_dir)
-    runs, records = _runs_and_records(campaign_dir, calibrations_dir)
+    # Effects and what is drawn may hold for several runs; without them a run needs no other.
+    independent = options.effects_file is None and not options.draw_uncertainties
+    needed = options.only_runs if independent else ()
+    runs, records = _runs_and_records(campaign_dir, calibrations_dir, needed)
     made = campaign.captures_from
     seed = options.seed
     if seed is None:
@@ -139,6 +145,7 @@ def prepare(campaign_dir: Path, calibrations_dir: Path, options: Options) -> Pla
         runs=runs,
         records=records,
         chosen=_chosen(runs, options.only_runs),
+        some=bool(options.only_runs),
         effects=effects,
         drawn=tuple(drawn),
         actions=actions + select(drawn, list(runs), max(r.n for r in records.values()), "drawn"),
@@ -149,12 +156,15 @@ def prepare(campaign_dir: Path, calibrations_dir: Path, options: Options) -> Pla
 
 
 def _runs_and_records(
-    campaign_dir: Path, calibrations_dir: Path
+    campaign_dir: Path, calibrations_dir: Path, only: Sequence[str]
 ) -> tuple[dict[str, Run], dict[str, CalibrationRecord]]:
+    folders = list_runs(campaign_dir)
+    if set(only) <= {folder.name for folder in folders}:
+        folders = [folder for folder in folders if not only or folder.name in only]
     faults: list[Fault] = []
     runs: dict[str, Run] = {}
     records: dict[str, CalibrationRecord] = {}
-    for folder in list_runs(campaign_dir):
+    for folder in folders:
         try:
             run = load_run(folder, need_capture=False)
             if run.calibration not in records:

@@ -3,16 +3,14 @@
 
 rule make_campaign:
     input:
-        planned=lambda wildcards: planned(wildcards.campaign),
         about=files_of_campaign,
-        calibrations=campaign_calibrations,
     output:
         f"{MADE}/{{campaign}}/campaign.yaml",
     log:
         f"{SUMMARY}/logs/campaign-{{campaign}}.log",
     params:
         folder=folder_of_campaign,
-        calibrations=folder_of_records,
+        calibrations=CONFIG.calibrations_dir,
         out=subpath(output[0], parent=True),
     shell:
         "fogreduce simulate {params.folder:q} --calibrations {params.calibrations:q} --out {params.out:q}"
