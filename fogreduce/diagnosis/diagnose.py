@@ -117,7 +117,7 @@ def diagnose(
         told("closure")
         closure = measured(search, verdict.state.causes, found)
         verdict = borne_out(verdict, closure, left)
-    parts = {} if closure is None else shares(data.inputs, verdict.state.causes, closure)
+    parts, kinds = ({}, {}) if closure is None else shares(data.inputs, verdict.state.causes, closure)
     told("next run")
     proposal = proposed(search, verdict, bench) if verdict.named else None
     document = {
@@ -132,7 +132,7 @@ def diagnose(
         "causes": [_cause(verdict, one, parts) for one in verdict.named],
         "unknown_probability": round(verdict.unknown_probability, 6),
         "resembles": [one.document() for one in left.kin] if verdict.word in _UNKNOWN else [],
-        "closure": None if closure is None else _closure(closure),
+        "closure": None if closure is None else _closure(closure, kinds),
         "remainder": _remainder(left),
         "constant_gyros": [one.document() for one in data.constant],
         "lost_records": {run.run_id: [run.lost, run.expected] for run in data.full if run.lost},
@@ -205,7 +205,8 @@ def _other_gyro(key: Key) -> dict[str, Any]:
     return {"parameters": {name: {"value": key[3], "std": None}}} if name and key[3] else {}
 
 
-def _closure(closure: Closure) -> dict[str, Any]:
+def _closure(closure: Closure, kinds: Mapping[str, Share]) -> dict[str, Any]:
+    ranked = sorted(kinds.items(), key=lambda kind: kind[1].rank)
     fraction, std = closure.fraction, closure.std
     out = {
         "measure": closure.measure,
@@ -216,6 +217,7 @@ def _closure(closure: Closure) -> dict[str, Any]:
         "fraction": fraction,
         "std": std,
         "interval_95": [fraction - 1.96 * std, fraction + 1.96 * std],
+        "kinds": [{"effect": effect, **asdict(part)} for effect, part in ranked],
     }
     if closure.placebo is not None:
         out["placebo_fraction"] = closure.placebo

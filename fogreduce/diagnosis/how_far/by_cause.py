@@ -6,8 +6,9 @@ causes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from fogreduce.diagnosis.inference.model import simulated
 from fogreduce.diagnosis.observe.capture import RunInput
 
 Array = NDArray[np.float64]
+Part = TypeVar("Part", Key, str)
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,10 @@ class Share:
     rank: int
 
 
-def shares(inputs: Sequence[RunInput], causes: Sequence[Cause], closure: Closure) -> dict[Key, Share]:
-    """Every cause's share of the closure; empty where nothing of it was held out.
+def shares(
+    inputs: Sequence[RunInput], causes: Sequence[Cause], closure: Closure
+) -> tuple[dict[Key, Share], dict[str, Share]]:
+    """Shares of the closure: of every cause, and of every kind, an effect's causes at all places as one.
 
     Parameters
     ----------
@@ -53,24 +57,35 @@ def shares(inputs: Sequence[RunInput], causes: Sequence[Cause], closure: Closure
     causes : sequence of Cause
     closure : Closure
         Of all of them.
+
+    Returns
+    -------
+    mappings
+        Of causes' keys and of effects' names; empty where nothing was held out.
     """
-    keys = [c.key for c in causes]
     if not closure.held and not closure.at_full_rate:
-        return {}
+        return {}, {}
     left = _Subsets(inputs, frozenset(c.key for c in causes if _in_noise(c)), closure)
-    full = left.closed(frozenset(keys))
-    order, taken = [], frozenset[Key]()
+    kinds: dict[str, frozenset[Key]] = {}
+    for c in causes:
+        kinds[c.effect] = kinds.get(c.effect, frozenset()) | {c.key}
     guess = _Guess(left)
-    for _ in keys:
-        rest = [key for key in keys if key not in taken]
-        best = min(rest, key=lambda key: guess.after(taken | {key}))
-        taken = taken | {best}
-        order.append((best, left.closed(taken).fraction))
-    out = {}
-    for rank, (key, cumulative) in enumerate(order, start=1):
-        one, without = left.closed(frozenset([key])), left.closed(frozenset(keys) - {key})
-        lost = full.fraction - without.fraction
-        out[key] = Share(one.fraction, one.std, lost, without.std, cumulative, rank)
+    return _shares(left, guess, {c.key: frozenset([c.key]) for c in causes}), _shares(left, guess, kinds)
+
+
+def _shares(left: _Subsets, guess: _Guess, parts: Mapping[Part, frozenset[Key]]) -> dict[Part, Share]:
+    """Shares of parts of the causes, each a set of their keys."""
+    whole = frozenset[Key]().union(*parts.values())
+    full = left.closed(whole)
+    out: dict[Part, Share] = {}
+    taken = frozenset[Key]()
+    for rank in range(1, len(parts) + 1):
+        now = taken
+        best = min((p for p in parts if p not in out), key=lambda p: guess.after(now | parts[p]))
+        taken = taken | parts[best]
+        one, without = left.closed(parts[best]), left.closed(whole - parts[best])
+        lost, total = full.fraction - without.fraction, left.closed(taken).fraction
+        out[best] = Share(one.fraction, one.std, lost, without.std, total, rank)
     return out
 
 
@@ -81,9 +96,15 @@ class _Subsets:
     inputs: Sequence[RunInput]
     in_noise: frozenset[Key]
     closure: Closure
+    _known: dict[frozenset[Key], Closure] = field(default_factory=dict)
 
     def closed(self, taken: frozenset[Key]) -> Closure:
         """The closure of a subset of the causes."""
+        if taken not in self._known:
+            self._known[taken] = self._closed(taken)
+        return self._known[taken]
+
+    def _closed(self, taken: frozenset[Key]) -> Closure:
         whole = self.closure
         after = sum(self._slow(held, taken) for held in whole.held)
         after += sum(two if key in taken else one for key, (one, two) in whole.at_full_rate.items())

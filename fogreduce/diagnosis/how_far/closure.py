@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
@@ -30,6 +31,10 @@ from fogreduce.diagnosis.which.full_rate.fast import Fast
 Array = NDArray[np.float64]
 Key = tuple[str, tuple[str, ...], tuple[str, ...], str]
 
+_MEASURE = (
+    "squared normal deviates, noise and stated uncertainties in their metric, of the features in "
+    "which the gap shows and of those that the causes change"
+)
 _DEALS = 300  # stretches of a run, dealt in turn: short ones, so that either fold knows when a bias stepped
 _MOST_FEATURES = 30
 
@@ -76,6 +81,9 @@ class Closure:
         Each fold as it was held against the causes.
     at_full_rate : mapping
         Key of a cause of the full rate -> its own before and after.
+    departure : float
+        What causes that are not quite of the catalogue's shapes may leave, or hide by parameters that take
+        some of it up: a standard deviation of the fraction.
     """
 
     measure: str
@@ -86,6 +94,7 @@ class Closure:
     placebo: float | None = None
     held: tuple[HeldOut, ...] = ()
     at_full_rate: Mapping[Key, tuple[float, float]] = field(default_factory=dict)
+    departure: float = 0.0
 
     @property
     def fraction(self) -> float:
@@ -95,14 +104,15 @@ class Closure:
 
     @property
     def std(self) -> float:
-        """Its standard deviation: those of the two sums, as sums of squared normal deviates.
+        """Its standard deviation: those of the two sums, as sums of squared normal deviates, and departures'.
 
         The folds share stated uncertainties, and each has the noise of the other's fit: they count as one.
         """
         gap = max(self.before - self.expected, 1e-9)
         left = 4.0 * self.expected + 8.0 * max(self.after - self.expected, 0.0)
         whole = 4.0 * self.expected + 8.0 * gap
-        return float(np.sqrt(left + (1.0 - self.fraction) ** 2 * whole) / gap)
+        noise = np.sqrt(left + (1.0 - self.fraction) ** 2 * whole) / gap
+        return float(np.hypot(noise, self.departure))
 
 
 @dataclass(frozen=True)
@@ -119,62 +129,18 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     data = search.data
     families = [p.family for p in found if p.family is not None]
     slow = [_at_its_instant(c) for c in causes if c.slow]
-    before = after = expected = 0.0
-    placebo: list[float] = []
-    parts: list[HeldOut] = []
-    instant = any(_within_a_block(data, c) for c in slow)
-    alone: dict[Key, tuple[float, float]] = {}
+    sums = _Sums()
     if families or slow:
-        nominal = search.ground.nominal
-        columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
-        # what a converter does to block means is its own doing, of a phase that nobody knows
-        codes = converter_means(data.inputs, causes, data.noise_raw(), search.ground.whiten.rows)
-        wide = np.column_stack([columns, codes])
-        folds = [_fold(search, parity, causes, wide) for parity in (0, 1)]
-        plain = folds
-        if _processes(causes) or codes.shape[1]:
-            plain = [_fold(search, parity, slow, columns) for parity in (0, 1)]
-        for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
-            mine: Sequence[Cause] = slow
-            if not instant:
-                args = (data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y)
-                mine = refined(*args, rounds=3).causes
-            there = modelled(data.inputs, mine, held.whiten, nominal)
-            shapes = _shapes(data, mine, held.whiten.rows)
-            features = _features(search, families, there.slopes, shapes, held.whiten)
-            bare_features = _features(search, families, there.slopes, shapes, bare.whiten)
-            parts.append(
-                HeldOut(
-                    tuple(mine),
-                    held.whiten,
-                    held.metric,
-                    features,
-                    held.y,
-                    bare.metric,
-                    bare_features,
-                    bare.y,
-                    bare.whiten,
-                )
-            )
-            # a random process does not change what is predicted but how far from it one may be
-            one, number = squared_deviates(bare.metric, bare_features, bare.y)
-            two, _ = squared_deviates(held.metric, features, held.y - there.change)
-            before, after, expected = before + one, after + two, expected + number
-            wrong = _placebo(search, slow, fitted, bare)
-            if wrong is not None:
-                three, _ = squared_deviates(bare.metric, bare_features, bare.y - wrong)
-                placebo.append((one - three) / max(one - number, 1e-9))
+        sums = _of_block_means(search, causes, slow, families)
+    before, after, expected = sums.before, sums.after, sums.expected
+    alone: dict[Key, tuple[float, float]] = {}
+    held_out = _held_out(data, causes) if families or slow else ""
     fast = [c for c in causes if c.finding is not None]
-    held_out = "every other three-hundredth of each run, both ways" if families or slow else ""
-    if any("time_s" in c.theta for c in causes):
-        held_out += "; the instant of a step, whose block one half alone has, was fitted on all"
-    if instant:
-        held_out = "nothing: what a start late by less than a block changes lies in one block alone"
     for cause in fast:
-        sums = _fast_closure(data, cause, search.allowed)
-        if sums is not None:
-            before, after, expected = before + sums[0], after + sums[1], expected + 1.0
-            alone[cause.key] = sums
+        pair = _fast_closure(data, cause, search.allowed)
+        if pair is not None:
+            before, after, expected = before + pair[0], after + pair[1], expected + 1.0
+            alone[cause.key] = pair
             held_out = held_out or "every other run, both ways"
     if not causes:
         before = after = sum(p.q + p.degrees for p in found)
@@ -183,20 +149,76 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         before = sum(c.finding.snr2 + 1.0 for c in fast if c.finding is not None)
         after = expected = float(len(fast))
         held_out = "nothing: a single run's full-rate statistics cannot be divided"
-    measure = (
-        "squared normal deviates, noise and stated uncertainties in their metric, of the features in "
-        "which the gap shows and of those that the causes change"
-    )
     return Closure(
-        measure,
+        _MEASURE,
         held_out or "nothing was fitted",
         before,
         after,
         expected,
-        float(np.clip(np.mean(placebo), -1.0, 1.0)) if placebo else None,
-        tuple(parts),
+        float(np.clip(np.mean(sums.placebo), -1.0, 1.0)) if sums.placebo else None,
+        tuple(sums.held),
         alone,
+        priors.DEPARTURE**2 if slow else 0.0,
     )
+
+
+@dataclass
+class _Sums:
+    """Of block means, over both folds."""
+
+    before: float = 0.0
+    after: float = 0.0
+    expected: float = 0.0
+    placebo: list[float] = field(default_factory=list)
+    held: list[HeldOut] = field(default_factory=list)
+
+
+def _of_block_means(
+    search: Search, causes: Sequence[Cause], slow: Sequence[Cause], families: Sequence[Candidate]
+) -> _Sums:
+    """Each fold held against causes that were fitted on the other."""
+    data, nominal, sums = search.data, search.ground.nominal, _Sums()
+    instant = any(_within_a_block(data, c) for c in slow)
+    columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
+    # what a converter does to block means is its own doing, of a phase that nobody knows
+    codes = converter_means(data.inputs, causes, data.noise_raw(), search.ground.whiten.rows)
+    wide = np.column_stack([columns, codes])
+    folds = [_fold(search, parity, causes, wide) for parity in (0, 1)]
+    plain = folds
+    if _processes(causes) or codes.shape[1]:
+        plain = [_fold(search, parity, slow, columns) for parity in (0, 1)]
+    for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
+        mine: Sequence[Cause] = slow
+        if not instant:
+            args = (data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y)
+            mine = refined(*args, rounds=3).causes
+        there = modelled(data.inputs, mine, held.whiten, nominal)
+        shapes = _shapes(data, mine, held.whiten.rows)
+        features = _features(search, families, there.slopes, shapes, held.whiten)
+        bare_features = _features(search, families, there.slopes, shapes, bare.whiten)
+        whole = (held.whiten, held.metric, features, held.y)
+        sums.held.append(
+            HeldOut(tuple(mine), *whole, bare.metric, bare_features, bare.y, bare_whiten=bare.whiten)
+        )
+        # a random process does not change what is predicted but how far from it one may be
+        one, number = squared_deviates(bare.metric, bare_features, bare.y)
+        two, _ = squared_deviates(held.metric, features, held.y - there.change)
+        sums.before, sums.after, sums.expected = sums.before + one, sums.after + two, sums.expected + number
+        wrong = _placebo(search, slow, fitted, bare)
+        if wrong is not None:
+            three, _ = squared_deviates(bare.metric, bare_features, bare.y - wrong)
+            sums.placebo.append((one - three) / max(one - number, 1e-9))
+    return sums
+
+
+def _held_out(data: Data, causes: Sequence[Cause]) -> str:
+    """What of block means was not fitted."""
+    if any(_within_a_block(data, c) for c in causes if c.slow):
+        return "nothing: what a start late by less than a block changes lies in one block alone"
+    words = "every other three-hundredth of each run, both ways"
+    if any("time_s" in c.theta for c in causes):
+        words += "; the instant of a step, whose block one half alone has, was fitted on all"
+    return words
 
 
 def _at_its_instant(cause: Cause) -> Cause:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -51,8 +52,8 @@ def figures(diagnosis: Diagnosis, width: float = svg.WIDE) -> dict[str, str]:
         out["causes.svg"] = svg.bars(members, label, svg.AFTER, 1.0, width)
     if document["closure"] is not None and document["causes"]:
         steps, label = waterfall(document), "how far the gap closes"
-        if len(steps) > 1:
-            out["waterfall.svg"] = svg.bars(steps, f"{label}, cause by cause", svg.AFTER, 1.0, width)
+        if steps:
+            out["waterfall.svg"] = svg.bars(steps, "what is left of the gap", svg.AFTER, 1.0, width)
         out["closure.svg"] = svg.bars(_closed(document["closure"]), label, svg.AFTER, 1.0, width)
     return out
 
@@ -66,21 +67,19 @@ def _closed(closure: Mapping[str, Any]) -> list[tuple[str, float, str]]:
 
 
 def waterfall(document: Mapping[str, Any]) -> list[tuple[str, float, str]]:
-    """Running totals of what the causes close, the one that closes most first; then the kinds."""
-    ranked = sorted((c for c in document["causes"] if c["closure"]), key=lambda c: c["closure"]["rank"])
-    kinds: dict[str, list[Mapping[str, Any]]] = {}
-    for cause in ranked:
-        kinds.setdefault(cause["effect"], []).append(cause)
-    rows, last = [], 0.0
-    for cause in ranked:
-        total = cause["closure"]["cumulative"]
-        rows.append((titled(cause), total, f"{100 * (total - last):+.1f} % to {100 * total:.1f} %"))
-        last = total
-    for effect, members in kinds.items():
-        if 1 < len(members) < len(ranked):
-            lost = sum(c["closure"]["removed"] for c in members)
-            name = f"all {EFFECTS[effect].title}"
-            rows.append((name, max(lost, 0.0), f"{100 * lost:.1f} % lost without them"))
+    """What is left of the gap as kind after kind of cause enters the simulator; empty for one cause."""
+    kinds, count = document["closure"]["kinds"], Counter(c["effect"] for c in document["causes"])
+    if len(document["causes"]) < 2 or not kinds:
+        return []
+    rows, last = [("the gap, noise apart", 1.0, "100.0 %")], 0.0
+    for kind in kinds:
+        name = EFFECTS[kind["effect"]].title
+        if count[kind["effect"]] > 1:
+            name += f", {count[kind['effect']]} places"
+        left = 1.0 - kind["cumulative"]
+        share = f"{100 * (last - kind['cumulative']):+.1f} % to {100 * left + 0.0:.1f} %"
+        rows.append((name, max(left, 0.0), share.replace("-", "\N{MINUS SIGN}")))
+        last = kind["cumulative"]
     return rows
 
 

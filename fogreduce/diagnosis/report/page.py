@@ -226,24 +226,37 @@ def _closure(closure: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping
 
 
 def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
-    """What each cause closes, where there are several."""
+    """What each kind of cause closes, where there are several causes; it opens into its gyros and runs."""
     if "waterfall.svg" not in drawn:
         return ""
-    ranked = sorted((c for c in d["causes"] if c["closure"]), key=lambda c: c["closure"]["rank"])
-    rows = [
-        [
-            escape(titled(c)),
-            f"{100 * c['closure']['alone']:.1f} &plusmn; {100 * c['closure']['alone_std']:.1f} %",
-            f"{100 * c['closure']['removed']:.1f} &plusmn; {100 * c['closure']['removed_std']:.1f} %",
-            f"{100 * c['closure']['cumulative']:.1f} %",
-        ]
-        for c in ranked
-    ]
-    return (
-        "<h2>Cause by cause</h2><p>The simulator with one cause after the other in it, the one that closes "
-        f"most first.</p>{both('waterfall.svg', drawn, slim)}"
-        + table(("cause", "closes alone", "lost without it", "running total"), rows)
+    closure = d["closure"]
+    noise = min(closure["expected_if_closed"] / max(closure["before"], 1e-300), 1.0)
+    text = (
+        "<h2>Kind by kind</h2><p>The simulator with one kind of cause after the other in it, the one that "
+        f"closes most first. Of what was summed before, noise makes {100 * noise:.2g} %.</p>"
+        + both("waterfall.svg", drawn, slim)
     )
+    for kind in closure["kinds"]:
+        mine = sorted(
+            (c for c in d["causes"] if c["effect"] == kind["effect"] and c["closure"]),
+            key=lambda c: c["closure"]["rank"],
+        )
+        rows = [[escape(titled(c)), *_part(c["closure"])] for c in mine]
+        name = EFFECTS[kind["effect"]].title
+        alone, removed, _ = _part(kind)
+        summary = f"{escape(name)}: closes {alone} alone; {removed} is lost without it"
+        header = ("cause", "closes alone", "lost without it", "running total")
+        text += f"<details><summary>{summary}</summary>{table(header, rows)}</details>"
+    return text
+
+
+def _part(share: Mapping[str, Any]) -> list[str]:
+    """A share of the closure: alone, lost without it, running total."""
+    return [
+        f"{100 * share['alone']:.1f} &plusmn; {100 * share['alone_std']:.1f} %",
+        f"{100 * share['removed']:.1f} &plusmn; {100 * share['removed_std']:.1f} %",
+        f"{100 * share['cumulative']:.1f} %",
+    ]
 
 
 def _tension(d: Mapping[str, Any]) -> str:
