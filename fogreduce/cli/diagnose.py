@@ -11,13 +11,14 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fogreduce.cli.options import add_calibrations
+from fogreduce.cli.options import add_calibrations, add_part, read_part
 from fogreduce.cli.raw import refuse_raw, run_ids
 from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
     from fogreduce.diagnosis.diagnose import Diagnosis
     from fogreduce.metadata.bench import Bench
+    from fogreduce.metadata.part import Part
 
 _PROBABILITY, _SNR = 0.95, 10.0
 
@@ -58,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="what table and chamber can do (fogreduce/bench/1): the run that it proposes stays within it",
     )
+    add_part(parser)
     parser.add_argument(
         "--verify-next",
         action="store_true",
@@ -151,12 +153,13 @@ def _diagnose(
     from fogreduce.metadata.folder import load_campaign
 
     bench = Bench() if args.bench is None else Bench.from_yaml(args.bench)
+    part = read_part(args.part)
     names = (*STEPS, *(["verification"] if args.verify_next else []), "page")
     with _steps(names, args) as told:
-        diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, told, bench)
+        diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, told, bench, part)
         if args.verify_next:
             told("verification")
-            _verify_next(diagnosis, campaign, without, only, args.calibrations, bench)
+            _verify_next(diagnosis, campaign, without, only, args.calibrations, bench, part)
         told("page")
         write(diagnosis, out, load_campaign(campaign).label)
     for line in captures_in_words(diagnosis.document):
@@ -192,7 +195,7 @@ def _detectable(
     probability = _PROBABILITY if args.probability is None else args.probability
     snr = _SNR if args.snr is None else args.snr
     with _steps(["what would be seen"], args):
-        found = detectable(campaign, args.calibrations, probability, snr, without, only)
+        found = detectable(campaign, args.calibrations, probability, snr, without, only, read_part(args.part))
     print(in_text(found), flush=True)
     if out is not None:
         write_detectable(found, out)
@@ -205,10 +208,11 @@ def _verify_next(
     only: Sequence[str],
     calibrations: Path,
     bench: Bench,
+    part: Part | None,
 ) -> None:
     """Add to the document what the proposed run would bring."""
     from fogreduce.diagnosis.next.verify import verified
 
-    found = verified(diagnosis, campaign, calibrations, without, only, bench)
+    found = verified(diagnosis, campaign, calibrations, without, only, bench, part)
     if found is not None:
         diagnosis.document["next_run"]["verified"] = found

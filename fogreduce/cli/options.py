@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fogreduce.metadata.part import Part
 
 
 def add_calibrations(parser: argparse.ArgumentParser) -> None:
@@ -27,3 +31,22 @@ def add_places(parser: argparse.ArgumentParser) -> None:
         help="folder of the campaigns (default: %(default)s)",
     )
     add_calibrations(parser)
+
+
+def add_part(parser: argparse.ArgumentParser) -> None:
+    """``--part``, of the commands that take the place of what a record does not state."""
+    parser.add_argument(
+        "--part",
+        metavar="FILE",
+        help="a data sheet (fogreduce/part/1), or the name of a bundled one: tactical-fog, ring-laser, mems; "
+        "it stands in where the calibration record states nothing",
+    )
+
+
+def read_part(name: str | None) -> Part | None:
+    """The part that ``--part`` names."""
+    if name is None:
+        return None
+    from fogreduce.metadata.part import Part
+
+    return Part.named(name)

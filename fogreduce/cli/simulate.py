@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fogreduce.cli.options import add_calibrations
+from fogreduce.cli.options import add_calibrations, add_part, read_part
 from fogreduce.cli.raw import run_ids
 from fogreduce.errors import BadInput
 
@@ -31,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--effects", metavar="FILE", type=Path, help="effects to put in (fogreduce/effects/1)"
     )
+    add_part(parser)
     parser.add_argument(
         "--seed", metavar="N", type=int, help="seed of the noise (default: campaign.yaml's, else 0)"
     )
@@ -82,6 +83,7 @@ def run(args: argparse.Namespace) -> int:
         noise=not args.no_noise,
         draw_uncertainties=args.draw_uncertainties,
         only_runs=run_ids(args.only_runs),
+        part=read_part(args.part),
     )
     plan = prepare(args.campaign, args.calibrations, options)
     if args.export_model is not None:

@@ -30,6 +30,7 @@ from fogreduce.diagnosis.where.places import Place
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
 from fogreduce.metadata.bench import Bench
+from fogreduce.metadata.part import Part
 
 SCHEMA = "fogreduce/diagnosis/1"
 #: The steps of a diagnosis, in order.
@@ -69,6 +70,7 @@ def diagnose(
     simulated: Path | None = None,
     told: Callable[[str], None] = lambda step: None,
     bench: Bench = ANY_BENCH,
+    part: Part | None = None,
 ) -> Diagnosis:
     """Diagnose a campaign folder.
 
@@ -85,13 +87,15 @@ def diagnose(
         Hears which of `STEPS` begins.
     bench : Bench
         What table and chamber can do: the next run stays within it.
+    part : Part or None
+        A data sheet: it fills in what the record does not state, and gives sizes their priors.
     """
     for name in without:
         if name not in EFFECTS:
             raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
     allowed = frozenset(EFFECTS) - frozenset(without)
     told("reading")
-    data = read_data(campaign, calibrations, only, simulated)
+    data = read_data(campaign, calibrations, only, simulated, part)
     told("spectra")
     search = Search(data, allowed)
     told("search")
@@ -138,6 +142,7 @@ def diagnose(
         "lost_records": {run.run_id: [run.lost, run.expected] for run in data.full if run.lost},
         "stamps_jump_s": {run.run_id: run.stamps.jump_s for run in data.full if run.stamps.jump_s},
         "assumed": assumed(data),
+        "part": None if part is None else _part(part),
         "tension": [one.document() for one in tensions(data.inputs, verdict.state)],
         "mistakes": mistakes(data, verdict.word),
         "next_run": None if proposal is None else proposal.document,
@@ -172,6 +177,13 @@ def _faint(verdict: Verdict, data: Data) -> Place:
     runs = tuple(data.run_ids) if source.runs == ("*",) else source.runs
     sigma = significance(max(best.q, 0.0), 1)
     return Place(source.stage, source.channels, runs, source.feature or "mean", sigma, max(best.q, 1e-6), 1)
+
+
+def _part(part: Part) -> dict[str, Any]:
+    """The data sheet that priors were taken from, and the sizes that it has units show, by effect."""
+    sizes = part.realistic()
+    shown = {name: list(sizes[e.sheet]) for name, e in EFFECTS.items() if e.sheet in sizes}
+    return {"product": part.product, "source": part.source, "sizes": shown}
 
 
 def _cause(verdict: Verdict, one: Named, parts: Mapping[Key, Share]) -> dict[str, Any]:

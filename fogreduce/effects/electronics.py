@@ -82,6 +82,7 @@ EFFECTS = (
         words="is smoothed by a filter that the metadata do not state",
         design=Design("time_constant_ms", 10.0, positive=True, like=("latency", "ms"), least_deg_h=1e-9),
         departures=Departures(wanders=False, relative=0.06),
+        sheet="bandwidth_hz",
     ),
     Effect(
         "adc_nonlinearity",

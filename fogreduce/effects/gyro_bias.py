@@ -95,6 +95,7 @@ EFFECTS = (
         words="reads off by a constant, the same in every run",
         design=Design("deg_h", alike=True),
         of_record=True,
+        sheet="bias_repeatability_deg_h",
     ),
     Effect(
         "turn_on_bias",
@@ -108,6 +109,7 @@ EFFECTS = (
         "switching on to the next",
         design=Design("deg_h", one_run=True),
         drifts=True,
+        sheet="bias_repeatability_deg_h",
     ),
     Effect(
         "bias_ramp",
@@ -137,6 +139,7 @@ EFFECTS = (
         words="jumps once in one run and stays there",
         design=Design("deg_h", one_run=True, begins="time_s"),
         drifts=True,
+        sheet="bias_repeatability_deg_h",
     ),
     Effect(
         "warm_up",
@@ -175,6 +178,7 @@ EFFECTS = (
         design=Design("deg_h_per_degC"),
         drifts=True,
         unlogged="warmth",
+        sheet="bias_temperature_deg_h_per_degC",
     ),
     Effect(
         "temperature_rate_bias",
@@ -189,6 +193,7 @@ EFFECTS = (
         design=Design("deg_h_per_degC_per_min"),
         drifts=True,
         unlogged="warming",
+        sheet="bias_temperature_rate_deg_h_per_degC_per_min",
     ),
     Effect(
         "acceleration_bias",
@@ -200,6 +205,7 @@ EFFECTS = (
         {"deg_h_per_g": 2.0},
         words="reads off in proportion to gravity along its axis",
         design=Design("deg_h_per_g"),
+        sheet="acceleration_deg_h_per_g",
     ),
     Effect(
         "magnetic_bias",
@@ -249,5 +255,6 @@ AXIS_EFFECTS = (
         words="has its input axis tipped",
         design=Design("mrad", 0.1, vector="across"),
         of_record=True,
+        sheet="misalignment_mrad",
     ),
 )

@@ -69,6 +69,7 @@ EFFECTS = (
         words="has a scale factor that goes with the temperature of its sensor",
         design=Design("ppm_per_degC"),
         unlogged="gain warmth",
+        sheet="scale_factor_temperature_ppm_per_degC",
     ),
     Effect(
         "scale_factor_error",
@@ -82,6 +83,7 @@ EFFECTS = (
         words="has another scale factor than stated",
         design=Design("ppm", alike=True),
         of_record=True,
+        sheet="scale_factor_ppm",
     ),
     Effect(
         "scale_factor_asymmetry",
@@ -104,6 +106,7 @@ EFFECTS = (
         {"ppm_at_10_deg_s": 100.0},
         words="has a scale factor that goes with the square of the rate",
         design=Design("ppm_at_10_deg_s"),
+        sheet="scale_factor_nonlinearity_ppm",
     ),
     Effect(
         "crosstalk",

@@ -137,6 +137,8 @@ class Effect:
     unlogged : str
         What a temperature that nobody logged makes of it: ``warmth`` or ``warming``, ``gain`` before it where
         it goes with the reading.
+    sheet : str
+        The key of a part file (`fogreduce.metadata.part.Part`) that states the sizes of it.
     parameters : tuple of Parameter
     forward : callable
         ``forward(value, parameters, at) -> value``.
@@ -172,6 +174,7 @@ class Effect:
     of_record: bool = False
     process: tuple[str, str] | None = None
     unlogged: str = ""
+    sheet: str = ""
 
     @property
     def title(self) -> str:

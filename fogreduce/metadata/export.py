@@ -20,6 +20,7 @@ from fogreduce.metadata.campaign import Campaign
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.curves import Curves
 from fogreduce.metadata.effects_file import EffectsFile
+from fogreduce.metadata.part import Part
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.physics.raw_quantity import UNITS_IN_USE
@@ -32,6 +33,7 @@ SCHEMAS: dict[str, Any] = {
     "config": WorkflowConfig,
     "effects": EffectsFile,
     "bench": Bench,
+    "part": Part,
 }
 
 _HEAD = """\

@@ -15,6 +15,7 @@ from fogreduce.metadata.curves import Curves
 from fogreduce.metadata.effects_file import EffectEntry, EffectsFile
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.folder import cross_check, list_runs, load_calibration, load_campaign, load_run
+from fogreduce.metadata.part import Part
 from fogreduce.metadata.run import Run
 from fogreduce.simulate.draw import draw_uncertainties
 from fogreduce.simulate.forward import ForwardRun
@@ -44,6 +45,7 @@ class Options:
     noise: bool = True
     draw_uncertainties: bool = False
     only_runs: tuple[str, ...] = ()
+    part: Part | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,8 @@ def prepare(campaign_dir: Path, calibrations_dir: Path, options: Options) -> Pla
     independent = options.effects_file is None and not options.draw_uncertainties
     needed = options.only_runs if independent else ()
     runs, records = _runs_and_records(campaign_dir, calibrations_dir, needed)
+    if options.part is not None:
+        records = {record_id: options.part.filled(record)[0] for record_id, record in records.items()}
     made = campaign.captures_from
     seed = options.seed
     if seed is None:

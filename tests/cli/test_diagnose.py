@@ -4,7 +4,7 @@ refuses."""
 from __future__ import annotations
 
 import pytest
-from bench_lab import ONE_GYRO, diagnosed, lab, simulated
+from bench_lab import ONE_GYRO, RECORD, diagnosed, lab, simulated
 
 from fogreduce.cli.main import main
 
@@ -155,3 +155,21 @@ def test_a_campaign_without_captures_is_refused(tmp_path, capsys) -> None:
     arguments = ["diagnose", str(tmp_path / "plan"), "--calibrations", str(tmp_path / "cal")]
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
     assert "capture.fogcap, which is not there" in capsys.readouterr().err
+
+
+def test_a_data_sheet_stands_in_for_what_no_record_states(tmp_path) -> None:
+    silent = {key: value for key, value in RECORD.items() if key not in ("uncertainty", "noise")}
+    lab(tmp_path, silent, duration_s=60.0)
+    sheet = tmp_path / "sheet.yaml"
+    sheet.write_text(
+        "schema: fogreduce/part/1\nproduct: P\nsource: S\n"
+        "angle_random_walk_deg_sqrt_h: {value: 0.01, meaning: maximum}\n"
+        "acceleration_deg_h_per_g: {value: 90, meaning: one_sigma}\n"
+    )
+    arguments = [str(tmp_path / "plan"), "--calibrations", str(tmp_path / "cal"), "--part", str(sheet)]
+    assert main(["simulate", *arguments, "--out", str(tmp_path / "made")]) == 0
+    found = diagnosed(tmp_path, tmp_path / "made", "--part", str(sheet))
+    assert found["part"]["sizes"] == {"acceleration_bias": pytest.approx([9.0, 270.0])}
+    (white,) = [a["value"] for a in found["assumed"] if a["key"] == "noise.angle_random_walk_deg_sqrt_h"]
+    # 3840 samples a run, six runs: known to half a per cent
+    assert white == pytest.approx([0.01] * 4, rel=0.05)

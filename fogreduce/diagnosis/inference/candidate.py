@@ -42,6 +42,8 @@ class Candidate:
         Prior share of the effect's name that this place has.
     known : bool
         False for what no effect of the catalogue does: a family of the unknown.
+    realistic : (float, float) or None
+        Sizes that units of the class show, where a data sheet has them; None: those that the effect states.
     feature, stage : str
         For a family of the unknown: the contract's words for where it shows.
     """
@@ -61,6 +63,7 @@ class Candidate:
     feature: str = ""
     stage: str = "gyro"
     extra: Mapping[str, Any] = field(default_factory=dict)
+    realistic: tuple[float, float] | None = None
 
     @property
     def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:

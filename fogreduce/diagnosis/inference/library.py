@@ -71,7 +71,7 @@ class Library:
         if c.fixed:
             variances, logs = np.ones((1, 1)), np.zeros(1)
         else:
-            realistic = size_parameter(c).realistic
+            realistic = c.realistic or size_parameter(c).realistic
             assert realistic is not None, f"{c.effect}: an amplitude needs a realistic range"
             scales, logs = size_scales(realistic)
             variances = (scales[:, None] / np.abs(c.steps[point])[None, :]) ** 2

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fogreduce.diagnosis.inference.search import LOG_GAP, log_prior_of
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
+from fogreduce.metadata.part import Part
 
 Array = NDArray[np.float64]
 
@@ -111,6 +112,7 @@ def detectable(
     snr: float = 10.0,
     without: Sequence[str] = (),
     only: Sequence[str] = (),
+    part: Part | None = None,
 ) -> dict[str, Any]:
     """What a campaign would show, from its run.yaml files alone, as detectable.json has it.
 
@@ -125,6 +127,8 @@ def detectable(
         Left out of the catalogue.
     only : run ids
         Empty: all.
+    part : Part or None
+        A data sheet: it fills in what the record does not state.
     """
     from fogreduce.diagnosis.next.detectable_fast import fast_rows
     from fogreduce.diagnosis.next.detectable_slow import slow_rows
@@ -138,7 +142,7 @@ def detectable(
         if name not in EFFECTS:
             raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
     allowed = frozenset(EFFECTS) - frozenset(without)
-    inputs = read_inputs(campaign, calibrations, only, need_capture=False)
+    inputs = read_inputs(campaign, calibrations, only, need_capture=False, part=part)
     rows = [*slow_rows(inputs, allowed, probability, snr), *fast_rows(inputs, allowed, probability)]
     rows = [_within(row) for row in rows]
     order = list(EFFECTS)

@@ -20,6 +20,7 @@ from fogreduce.diagnosis.next.runs import ANY_BENCH, RUN_ID, run_document, tempe
 from fogreduce.diagnosis.report.words import in_words, named
 from fogreduce.errors import BadInput
 from fogreduce.metadata.bench import Bench
+from fogreduce.metadata.part import Part
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.simulate.campaign import write_campaign
 from fogreduce.simulate.plan import Options, prepare
@@ -36,6 +37,7 @@ def verified(
     without: Sequence[str] = (),
     only: Sequence[str] = (),
     bench: Bench = ANY_BENCH,
+    part: Part | None = None,
 ) -> dict[str, Any] | None:
     """What `next_run` gets as ``verified``; None where no run is proposed.
 
@@ -44,7 +46,7 @@ def verified(
     diagnosis : Diagnosis
         Of the campaign's captures.
     campaign, calibrations : Path
-    without, only, bench :
+    without, only, bench, part :
         As it was made.
 
     Returns
@@ -77,7 +79,7 @@ def verified(
                 calibrations,
                 Path(scratch),
             )
-            found = diagnose(whole, calibrations, without, _with_next(only)).document
+            found = diagnose(whole, calibrations, without, _with_next(only), part=part).document
         truths.append(_said(found, truth, told))
     return {"separated": bool(truths) and all(t["separated"] for t in truths), "truths": truths}
 
@@ -117,7 +119,7 @@ def _campaign(
     ]
     effects = {"schema": EFFECTS_SCHEMA, "effects": plain(entries + _fresh(diagnosis))}
     write_text(scratch / "effects.yaml", dump_yaml(effects))
-    options = Options(effects_file=scratch / "effects.yaml", seed=0)
+    options = Options(effects_file=scratch / "effects.yaml", seed=0, part=inputs[0].part)
     write_campaign(prepare(plan_folder, calibrations, options), made)
     for one in inputs:
         target = made / "runs" / one.facts.run_id

@@ -29,6 +29,7 @@ def assumed(data: Data) -> list[dict[str, Any]]:
     for one in data.inputs:
         for item in assumed_of_run(one.run):
             silent.setdefault(item, []).append(one.facts.run_id)
+    out += [_of(item, data.run_ids) for item in data.inputs[0].from_part]
     return out + [_of(item, runs) for item, runs in silent.items()]
 
 

@@ -19,10 +19,12 @@ from fogreduce.diagnosis.observe.predict import Scene
 from fogreduce.diagnosis.observe.table_motion import table_motion
 from fogreduce.effects.selection import Action
 from fogreduce.errors import BadInput
+from fogreduce.metadata.assumed import Assumed
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.config import OutliersConfig
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.folder import runs_of_one_record
+from fogreduce.metadata.part import Part
 from fogreduce.metadata.run import Run
 from fogreduce.simulate.plan import facts_of
 from fogreduce.stages.ingest import Ingest
@@ -64,17 +66,26 @@ class Samples:
 
 @dataclass(frozen=True)
 class RunInput:
-    """One run's metadata, ready: model, record, numbers and scene."""
+    """One run's metadata, ready: model, record, numbers and scene.
+
+    Where a part was given, the record is filled in from its data sheet, and `from_part` says with what.
+    """
 
     run: Run
     record: CalibrationRecord
     facts: RunFacts
     scene: Scene
     folder: Path
+    part: Part | None = None
+    from_part: tuple[Assumed, ...] = ()
 
 
 def read_inputs(
-    campaign: Path, calibrations: Path, only: Sequence[str] = (), need_capture: bool = True
+    campaign: Path,
+    calibrations: Path,
+    only: Sequence[str] = (),
+    need_capture: bool = True,
+    part: Part | None = None,
 ) -> list[RunInput]:
     """Metadata of a campaign's runs, checked; BadInput with every fault.
 
@@ -82,6 +93,10 @@ def read_inputs(
     """
 
     def ready(folder: Path, run: Run, record: CalibrationRecord) -> RunInput:
+        assumed: list[Assumed] = []
+        if part is not None:
+            # captures say more of their white noise than a data sheet does
+            record, assumed = part.filled(record, white_noise=not need_capture)
         facts = facts_of(run, record)
         plain = run.model_dump(mode="json")
         log = temperatures_of(folder, plain, facts.start_us)
@@ -90,7 +105,7 @@ def read_inputs(
         blocks = Blocks.of(facts)
         if table is not None:
             blocks = Blocks.of(facts, blocks.holding(table.departure.time_s))
-        return RunInput(run, record, facts, Scene(facts, log, blocks, table), folder)
+        return RunInput(run, record, facts, Scene(facts, log, blocks, table), folder, part, tuple(assumed))
 
     return runs_of_one_record(campaign, calibrations, only, ready, need_capture=need_capture)
 

@@ -29,6 +29,7 @@ from fogreduce.effects.selection import Action
 from fogreduce.effects.table import EFFECTS
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.folder import load_run
+from fogreduce.metadata.part import Part
 from fogreduce.physics.noise import white_sigma
 from fogreduce.simulate.streams import stream
 
@@ -167,10 +168,14 @@ def _steady(actions: Sequence[Action]) -> list[Action]:
 
 
 def read_data(
-    campaign: Path, calibrations: Path, only: Sequence[str] = (), simulated: Path | None = None
+    campaign: Path,
+    calibrations: Path,
+    only: Sequence[str] = (),
+    simulated: Path | None = None,
+    part: Part | None = None,
 ) -> Data:
     """Read a campaign's captures and hold them against the simulator, or against another one's captures."""
-    inputs = read_inputs(campaign, calibrations, only)
+    inputs = read_inputs(campaign, calibrations, only, part=part)
     captures = [read_samples(one) for one in inputs]
     constant = constant_gyros(inputs, captures)
     captures = without_dead(inputs, captures, constant)

@@ -108,7 +108,7 @@ def _summary(d: Mapping[str, Any], in_results: bool) -> str:
                 f"{percent(d['gap_probability'])}."
             )
         )
-    parts += [_cause(cause, d["raw_unit"]) for cause in d["causes"]]
+    parts += [_cause(cause, d) for cause in d["causes"]]
     if d["causes"] and d["closure"] is not None:
         them = "it" if len(d["causes"]) == 1 else "them"
         words = "of the gap closes on data that the fit did not see."
@@ -134,9 +134,9 @@ def _paragraph(line: str) -> str:
     return f"<p>{line}</p>"
 
 
-def _cause(cause: Mapping[str, Any], raw_unit: str) -> str:
+def _cause(cause: Mapping[str, Any], d: Mapping[str, Any]) -> str:
     """A cause with its size, or a group with its members."""
-    found = "; ".join(escape(size) for size in sizes(cause, raw_unit))
+    found = "; ".join(escape(size) for size in sizes(cause, d["raw_unit"], d["part"]))
     if not is_group(cause):
         more = f": {found}" if found else ""
         return _paragraph(
@@ -193,7 +193,7 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, st
             escape(titled(c)),
             f'{escape(_does(c))}<br><span class="quiet">{escape(EFFECTS[c["effect"]].equation)}</span>',
             percent(c["probability"]),
-            "<br>".join(escape(size) for size in sizes(c, d["raw_unit"])),
+            "<br>".join(escape(size) for size in sizes(c, d["raw_unit"], d["part"])),
         ]
         for c in d["causes"]
     ]
@@ -321,13 +321,18 @@ def _assumed(d: Mapping[str, Any]) -> str:
     """Numbers that neither run.yaml nor the calibration record states, on which the verdict rests."""
     if not d["assumed"]:
         return ""
+    sheet = ""
+    if d["part"] is not None:
+        sheet = f"<p>Data sheet: {escape(d['part']['product'])} ({escape(d['part']['source'])}).</p>"
     rows = [
         [one["of"], one["key"], _value(one["value"]), one["reason"], ", ".join(one["runs"])]
         for one in d["assumed"]
     ]
     return (
         "<h2>What is assumed</h2><p>The files state none of these. The verdict rests on them; state what is "
-        "known of the unit and of the bench.</p>" + table(("file", "key", "value taken", "why", "runs"), rows)
+        "known of the unit and of the bench.</p>"
+        + table(("file", "key", "value taken", "why", "runs"), rows)
+        + sheet
     )
 
 

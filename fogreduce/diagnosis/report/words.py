@@ -76,8 +76,12 @@ def measured(value: float, std: float | None) -> str:
     return plus_minus(round(value, min(digits, 12)), round(std, digits))
 
 
-def sizes(cause: Mapping[str, Any], raw_unit: str) -> list[str]:
-    """Sizes of a cause with units, one a parameter; what is far beyond what such units show is said to be."""
+def sizes(cause: Mapping[str, Any], raw_unit: str, part: Mapping[str, Any] | None = None) -> list[str]:
+    """Sizes of a cause with units, one a parameter; what is far beyond what such units show is said to be.
+
+    `part`: of a diagnosis.json, the data sheet that says what they show.
+    """
+    sheet = (part or {"sizes": {}})["sizes"].get(cause["effect"])
     stated = {p.name: p for p in EFFECTS[cause["effect"]].parameters}
     out = []
     for name, found in cause["parameters"].items():
@@ -88,7 +92,9 @@ def sizes(cause: Mapping[str, Any], raw_unit: str) -> list[str]:
         parts = [p.words, value, p.unit_in(raw_unit)]
         if not p.words and not p.unit and p.kind != "choice":
             parts[0] = p.meaning  # a pure number says what it is of
-        out.append(" ".join(part for part in parts if part) + _towards(p, found) + _far(p, found, raw_unit))
+        out.append(
+            " ".join(part for part in parts if part) + _towards(p, found) + _far(p, found, raw_unit, sheet)
+        )
     return out
 
 
@@ -116,12 +122,12 @@ def direction(vector: Sequence[float], frame: str) -> str:
     return f"azimuth {round(degrees(atan2(x, y))) % 360} deg, {level}"
 
 
-def _far(p: Parameter, found: Mapping[str, Any], raw_unit: str) -> str:
+def _far(p: Parameter, found: Mapping[str, Any], raw_unit: str, sheet: Sequence[float] | None) -> str:
     value = found.get("size", found["value"])
-    if p.realistic is None or not isinstance(value, int | float) or abs(value) <= _FAR * p.realistic[1]:
+    shown = None if p.words else sheet or p.realistic
+    if shown is None or not isinstance(value, int | float) or abs(value) <= _FAR * shown[1]:
         return ""
-    low, high = p.realistic
-    return f" (units of this class show {low:g} to {high:g} {p.unit_in(raw_unit)})"
+    return f" (units of this class show {shown[0]:.2g} to {shown[1]:.3g} {p.unit_in(raw_unit)})"
 
 
 def is_group(cause: Mapping[str, Any]) -> bool:
@@ -165,7 +171,7 @@ def in_detail(document: Mapping[str, Any]) -> list[str]:
     """Lines below the verdict: what a run looks like, sizes and what they close."""
     lines = mistakes_in_words(document)
     for cause in document["causes"]:
-        found = "; ".join(sizes(cause, document["raw_unit"]))
+        found = "; ".join(sizes(cause, document["raw_unit"], document["part"]))
         if found:
             lines.append(f"{'if it is ' * is_group(cause)}{titled(cause)}: {found}")
     closure = document["closure"]

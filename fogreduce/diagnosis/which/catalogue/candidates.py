@@ -8,6 +8,7 @@ its exact difference and is not scaled.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +26,11 @@ _EXACT = {"switch": of_wiring, "reading": of_reading, "range": of_range}
 def all_candidates(build: Builder) -> list[Candidate]:
     """Every candidate whose effect is allowed and does anything at all in these runs."""
     found = (one for name, effect in EFFECTS.items() if name in build.allowed for one in _of(effect, build))
-    return [one for one in found if np.any(one.columns)]
+    part = build.inputs[0].part
+    sizes = {} if part is None else part.realistic()
+    return [
+        replace(one, realistic=sizes.get(EFFECTS[one.effect].sheet)) for one in found if np.any(one.columns)
+    ]
 
 
 def _of(effect: Effect, build: Builder) -> Iterator[Candidate]:
