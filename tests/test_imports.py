@@ -16,7 +16,7 @@ LAYERS = [
     {"physics"},
     {"metadata", "datasets", "estimate", "effects", "plausibility"},
     {"stages", "simulate", "diagnosis", "archive", "figures", "pages", "calibrate", "characterise", "guess"},
-    {"cli", "warm"},
+    {"cli", "warm", "python"},
 ]
 
 #: What the package's own __init__ offers lazily; anybody may ask for the version.

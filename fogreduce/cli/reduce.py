@@ -7,12 +7,15 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fogreduce.cli.beside import beside
 from fogreduce.cli.memory import keep_freed_memory
 from fogreduce.cli.raw import refuse_raw
 from fogreduce.errors import BadInput
+
+if TYPE_CHECKING:
+    from fogreduce.stages.setup import Setup
 
 HELP = "reduce one run, all stages in one process"
 
@@ -83,26 +86,33 @@ def run(arguments: argparse.Namespace) -> int:
     """Reduce; the tables are byte for byte those of the workflow."""
     manifest = beside(lambda: manifest_of(arguments))
     keep_freed_memory()
-    from fogreduce.archive.outdated import refuse_another_run, remove_outdated
-    from fogreduce.archive.uses import refuse_rewritten
     from fogreduce.cli.flags import say_red_flags
-    from fogreduce.cli.progress import progress
     from fogreduce.cli.warnings import print_warnings, summary_line
-    from fogreduce.datasets.sole_writer import sole_writer
-    from fogreduce.stages.files import write_json
-    from fogreduce.stages.run import reduce_run
-    from fogreduce.stages.setup import MANIFEST, Setup
+    from fogreduce.stages.setup import Setup
 
     setup = Setup(manifest(), arguments.out)
-    with sole_writer(arguments.out):
-        refuse_another_run(arguments.out, setup.manifest)
-        used = setup.manifest["calibration"]
-        refuse_rewritten(used["id"], used["sha256"], arguments.calibrations, arguments.out, beside=True)
-        with _nothing_left(arguments.out), progress(setup.facts.n_expected, "records") as told:
-            reduce_run(setup, arguments.run, told)
-        remove_outdated(arguments.out, setup.version_id)
-        write_json(arguments.out / MANIFEST, setup.manifest)
+    reduce_into(setup, arguments.run, arguments.calibrations)
     say_red_flags(setup)
     warnings = print_warnings(setup, arguments.run)
     print(f"{arguments.run}: {summary_line(setup, warnings)}")
     return 0
+
+
+def reduce_into(setup: Setup, run_dir: Path, calibrations: Path) -> None:
+    """All stages of a run into its results folder; nothing of another run or version stays there."""
+    from fogreduce.archive.outdated import refuse_another_run, remove_outdated
+    from fogreduce.archive.uses import refuse_rewritten
+    from fogreduce.cli.progress import progress
+    from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.stages.files import write_json
+    from fogreduce.stages.run import reduce_run
+    from fogreduce.stages.setup import MANIFEST
+
+    with sole_writer(setup.out):
+        refuse_another_run(setup.out, setup.manifest)
+        used = setup.manifest["calibration"]
+        refuse_rewritten(used["id"], used["sha256"], calibrations, setup.out, beside=True)
+        with _nothing_left(setup.out), progress(setup.facts.n_expected, "records") as told:
+            reduce_run(setup, run_dir, told)
+        remove_outdated(setup.out, setup.version_id)
+        write_json(setup.out / MANIFEST, setup.manifest)

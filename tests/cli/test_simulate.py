@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 import subprocess
@@ -336,11 +337,11 @@ def test_runs_simulated_at_once_are_all_listed(
     out, write = tmp_path / "out", write_capture
 
     def meanwhile(*arguments: Any) -> None:
-        monkeypatch.setattr("fogreduce.simulate.campaign.write_capture", write)
+        monkeypatch.setattr(importlib.import_module("fogreduce.simulate.campaign"), "write_capture", write)
         assert simulate(campaign, out, "--only-runs", "8-still") == 0
         write(*arguments)
 
-    monkeypatch.setattr("fogreduce.simulate.campaign.write_capture", meanwhile)
+    monkeypatch.setattr(importlib.import_module("fogreduce.simulate.campaign"), "write_capture", meanwhile)
     assert simulate(campaign, out, "--only-runs", "1-x-plus") == 0
     # both are listed as simulated: they may be written over
     assert simulate(campaign, out, "--seed", "9", "--only-runs", "1-x-plus,8-still", "--overwrite") == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from typing import Any
 
@@ -239,7 +240,9 @@ def test_blocks_join_without_a_seam(name: str, monkeypatch: pytest.MonkeyPatch) 
         return np.concatenate([np.vstack((b.time_us, b.counts)) for b in blocks], axis=1)
 
     whole = made()
-    monkeypatch.setattr("fogreduce.simulate.forward.BLOCK", 7 if not drawn else 512)
+    monkeypatch.setattr(
+        importlib.import_module("fogreduce.simulate.forward"), "BLOCK", 7 if not drawn else 512
+    )
     cut = made()
     if name in ("spikes",):
         assert np.array_equal(whole[[0, 1, 3, 4]], cut[[0, 1, 3, 4]])
