@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
+
+_CONSISTENT = 3.0  # standard deviations within which two sizes are one
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,30 @@ class Finding:
     degrees: int = 1
     process: tuple[str, float] | None = None
 
+    def beside(self, slow: Finding) -> Finding:
+        """A random process that the spectrum shows, and block means as well: both their evidence.
+
+        Block means that show less of it contradict the spectrum; what they show more may be others' doing.
+        """
+        assert self.process is not None
+        name = next(iter(self.parameters))
+        (fast, fast_std), (other, other_std) = self.parameters[name], slow.parameters[name]
+        error = float(np.hypot(fast_std / fast, other_std / other))
+        apart = float(np.log(other / fast)) / error
+        against = 0.5 * min(apart, 0.0) ** 2
+        size, std = fast, fast_std
+        if abs(apart) < _CONSISTENT:
+            weights = np.array([fast_std, other_std]) ** -2.0
+            size = float(weights @ [fast, other] / weights.sum())
+            std = float(weights.sum() ** -0.5)
+        return replace(
+            self,
+            log_b=self.log_b + max(slow.log_b, 0.0) - against,
+            snr2=self.snr2 + slow.snr2,
+            parameters={name: (size, std)},
+            process=(self.process[0], size),
+        )
+
     @property
     def known(self) -> bool:
         """Whether the catalogue has it."""
@@ -59,3 +87,13 @@ class Finding:
         """Effect, channels, runs, frequency of a line; as a candidate's."""
         hz = self.parameters.get("frequency_hz")
         return self.effect, self.channels, self.runs, "" if hz is None else f"{hz[0]:.6g} Hz"
+
+
+def joined(fast: Sequence[Finding], slow: Sequence[Finding]) -> list[Finding]:
+    """Findings of the full rate and processes of block means, a process that both show as one."""
+    shown = {f.key: f for f in fast if f.process is not None and f.log_b > 0.0}
+    out = [f for f in fast if f.process is None]
+    mine = {f.key: f for f in slow}
+    for f in slow:
+        out.append(shown[f.key].beside(f) if f.known and f.key in shown else f)
+    return out + [f for key, f in shown.items() if key not in mine]

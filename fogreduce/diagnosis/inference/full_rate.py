@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fogreduce.diagnosis.inference.causes import Cause
-from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.findings import Finding, joined
 from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, log_prior_of
 
 _MOST = 60  # a bound on a loop that ends by itself: findings beside those taken
@@ -37,8 +37,12 @@ def full_rate_causes(search: Search) -> FullRateCauses:
     causes: list[Cause] = []
     scores: list[float] = []
     unknown: dict[tuple[str, tuple[str, ...]], Finding] = {}
+    nothing = search.state([], search.ground)
+    slow = search.ground.processes.findings(nothing.field, search.allowed)
     for _ in range(_MOST):
         found = [f for f in search.fast.findings(causes) if (f.domain, f.channels) not in unknown]
+        shown = {f.key for f in found if f.process is not None and f.log_b > 0.0}
+        found = joined(found, [f for f in slow if f.key in shown])
         taken = {c.key for c in causes}
         found = [f for f in found if f.key not in taken]
         best = max(found, key=_odds, default=None)

@@ -26,7 +26,7 @@ _SEVERAL = 2
 
 def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
     """The best sets of causes, with as many random processes in the noise as pay."""
-    here = slow_posterior(search, search.ground, given)
+    here = slow_posterior(search, search.ground_of([c for c in given if c.process]), given)
     tried: set[tuple[object, ...]] = set()
     for _ in range(_MOST):
         best = _most_likely(search, here, tried)

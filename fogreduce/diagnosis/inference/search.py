@@ -18,7 +18,7 @@ from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Field, Fit, log_bayes
-from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.findings import Finding, joined
 from fogreduce.diagnosis.inference.fitted import refined
 from fogreduce.diagnosis.inference.model import DELAYS, Model, modelled
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener, nuisances, whitener
@@ -265,10 +265,10 @@ class Search:
                 if not (fit.candidate.known and fit.candidate.key in taken):
                     out.append(self._slow_option(fit, state))
         out = _not_for_being_simpler(out)
-        findings = [
-            *state.ground.fast.findings(state.causes),
-            *state.ground.processes.findings(state.field, self.allowed),
-        ]
+        findings = joined(
+            state.ground.fast.findings(state.causes),
+            state.ground.processes.findings(state.field, self.allowed),
+        )
         slow_low_pass = {
             o.source.channels: o.log_b
             for o in out

@@ -15,9 +15,10 @@ from fogreduce.diagnosis.next.detectable import TOLD_APART, Row, crossing, thres
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.observe.full_rate import FIRST_LINE, PIECE
 from fogreduce.diagnosis.which.full_rate.converter import _WAVES
+from fogreduce.diagnosis.which.full_rate.correlation import correlation_findings
 from fogreduce.diagnosis.which.full_rate.line_evidence import sizes_log
 from fogreduce.diagnosis.which.full_rate.link import HEALTHY_FAULT, share_evidence
-from fogreduce.diagnosis.which.full_rate.spectrum import Levels, correlation_findings, level_findings
+from fogreduce.diagnosis.which.full_rate.spectrum import Levels, level_findings
 from fogreduce.diagnosis.which.full_rate.stamps import clock_evidence, stamps
 from fogreduce.diagnosis.which.full_rate.streams import LEAST_HZ
 from fogreduce.effects.gyro_names import gyro_name

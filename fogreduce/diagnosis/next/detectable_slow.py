@@ -17,7 +17,8 @@ from fogreduce.diagnosis.next.detectable import TOLD_APART, Row, crossing, thres
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.diagnosis.which.catalogue.candidates import all_candidates
-from fogreduce.diagnosis.which.processes.processes import CATALOGUED, Processes
+from fogreduce.diagnosis.which.full_rate.spectrum import DRIFTS
+from fogreduce.diagnosis.which.processes.processes import Processes
 from fogreduce.diagnosis.which.processes.sizes import size_logs
 from fogreduce.effects.model import Stage
 from fogreduce.effects.table import EFFECTS
@@ -59,7 +60,7 @@ def slow_rows(
     for number, candidate in enumerate(candidates):
         yield from _rows_of(scene, number, candidate, probability, snr)
     processes = Processes(inputs, whiten, builder.plain)
-    for effect, (kind, parameter) in CATALOGUED.items():
+    for effect, (kind, parameter) in DRIFTS.items():
         if effect not in allowed:
             continue
         for i in range(n):

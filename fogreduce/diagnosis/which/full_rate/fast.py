@@ -14,9 +14,10 @@ from fogreduce.diagnosis.observe.constant import dead_findings
 from fogreduce.diagnosis.observe.data import Data
 from fogreduce.diagnosis.observe.run_noise import own_level_findings
 from fogreduce.diagnosis.which.full_rate.converter import converter_findings
+from fogreduce.diagnosis.which.full_rate.correlation import correlation_findings
 from fogreduce.diagnosis.which.full_rate.lines import Line
 from fogreduce.diagnosis.which.full_rate.link import link_findings
-from fogreduce.diagnosis.which.full_rate.spectrum import correlation_findings, level_findings, levels
+from fogreduce.diagnosis.which.full_rate.spectrum import DRIFTS, level_findings, levels
 from fogreduce.diagnosis.which.full_rate.stamps import stamp_findings
 
 Array = NDArray[np.float64]
@@ -86,9 +87,12 @@ class Fast:
             if keep.any():
                 part = (self.levels.ratio[i] / self.held[i])[keep]
                 out[i] = float(np.sqrt(max(np.average(part, weights=self.levels.pieces[i, keep]), 1e-4)))
-            rivals = frozenset({"low_pass", "angle_random_walk"})
+            rivals = frozenset({"low_pass", "angle_random_walk", *DRIFTS})
             found = level_findings(self.levels, i, rivals, self.held[i], False)
             best = max(found, key=lambda f: f.log_b, default=None)
+            if best is not None and best.process is not None and best.log_b > 3.0 and keep.any():
+                part = part / self.levels.beside(*best.process, i)[keep]
+                out[i] = float(np.sqrt(max(np.average(part, weights=self.levels.pieces[i, keep]), 1e-4)))
             if best is not None and best.effect == "low_pass" and best.log_b > 3.0:
                 out[i] = 1.0
         return np.clip(out, 0.2, 1e3) * self._rounding() * self.data.own_noise

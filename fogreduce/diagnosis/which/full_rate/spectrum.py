@@ -5,11 +5,9 @@ A mean power P of K pieces about an expectation S has ``ln L = -K (ln S + P / S)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import lru_cache, partial
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +15,12 @@ from numpy.typing import NDArray
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.inference.evidence import log_bayes, log_mean_exp
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.observe.full_rate import PIECE, FullRate, straightened
-from fogreduce.effects.at import At, Place
-from fogreduce.effects.electronics import low_pass
+from fogreduce.diagnosis.observe.full_rate import FullRate
+from fogreduce.diagnosis.which.full_rate.pieces import filter_gain, shown_drift
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.table import EFFECTS
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.noise import white_sigma
-from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
 
@@ -33,8 +29,9 @@ LEVEL_DOUBT = 0.02
 _TAUS_MS = np.geomspace(0.1, 200.0, 40)
 _LEVELS = LEVEL_DOUBT * np.array([3.0, 6.0, 12.0, 25.0, 60.0])
 _EDGES = 14
-_FINE = 2048  # frequencies at which a filter's response is taken: longer than its memory and a piece
-_CORRELATIONS = np.array([0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.2, 0.35, 0.6, 0.85])
+_DRIFT_POWERS = np.geomspace(0.03, 3e5, 60)  # of a drift in the lowest line, over what the record states
+#: Effects whose spectrum falls with frequency: kind of process and parameter.
+DRIFTS = {name: effect.process for name, effect in EFFECTS.items() if effect.process is not None}
 
 
 @dataclass(frozen=True)
@@ -114,11 +111,11 @@ class Levels:
         """Shape (F,) that a further process gives the spectrum of gyro i; a smooth one does not show."""
         if kind not in ("flicker", "walk"):
             return np.ones(len(self.frequency))
+        sizes = {"flicker": 0.0, "walk": 0.0, kind: size}
         added = np.empty(len(self.frequency))
         for rate in np.unique(self.rate_hz).tolist():
             here = self.rate_hz == rate
-            density = _drifting(np.abs(np.fft.fftfreq(_FINE)[1:]) * rate, **{kind: size})
-            added[here] = shown_by_pieces(np.append(0.0, 0.5 * rate * density), self.frequency[here])
+            added[here] = shown_drift(rate, self.frequency[here], **sizes)
         result: Array = 1.0 + added / self.expected[i]
         return result
 
@@ -192,10 +189,7 @@ def _group(
     white = np.array([float(white_sigma(s, rate)) for s in stated]) * SECONDS_PER_HOUR
     rounding = rounding_variance(facts, bits)
     # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
-    slow = np.zeros((n, _FINE))
-    fine = np.abs(np.fft.fftfreq(_FINE)[1:]) * rate
-    slow[:, 1:] = 0.5 * rate * _drifting(fine, *(size[:, None] for size in colour))
-    expected = (white**2 + rounding)[:, None] + shown_by_pieces(slow, frequency)
+    expected = (white**2 + rounding)[:, None] + shown_drift(rate, frequency, *colour)
     power, pieces = np.zeros((n, len(frequency))), np.zeros(n)
     cross = np.zeros((len(frequency), n, n))
     for run, size in zip(runs, own, strict=True):
@@ -235,66 +229,6 @@ def rounding_variance(facts: RunFacts, bits: Array) -> Array:
     """
     step = facts.least_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR * 2.0**bits
     return np.asarray(step**2 / 12.0, np.float64)
-
-
-def _drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0.0) -> Array:
-    """One-sided density [(deg/h)^2/Hz] of flicker of B [deg/h] and a walk of K [deg/h/sqrt(h)]."""
-    turning = 2.0 * np.pi * hertz
-    result: Array = 2.0 * np.square(flicker) / turning + 2.0 * np.square(walk) / (
-        SECONDS_PER_HOUR * turning**2
-    )
-    return result
-
-
-def filter_gain(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
-    """Power (taus, F) of white noise of variance 1 after the simulator's own low pass, as pieces show it.
-
-    A piece's edges let the strong low lines leak into the weak high ones: that is in it.
-
-    Parameters
-    ----------
-    tau_ms : (taus,) array
-    rate_hz : float
-    frequency : (F,) array
-        Lines of the pieces' spectrum, as fractions of the sample rate, one after another.
-    """
-    return shown_by_pieces(_responses(tau_ms.tobytes(), rate_hz), frequency)
-
-
-def shown_by_pieces(power: Array, frequency: Array) -> Array:
-    """What pieces less their straight lines show (..., F) of a spectrum (..., _FINE) at even frequencies."""
-    gains = np.empty((*power.shape[:-1], len(frequency)))
-    starts = np.flatnonzero(np.diff(frequency, prepend=np.inf) <= 0.0).tolist()
-    for first, stop in pairwise([*starts, len(frequency)]):
-        lines = frequency[first:stop]
-        length = round((stop - first - 1) / (lines[-1] - lines[0])) if stop - first > 1 else PIECE
-        gains[..., first:stop] = power @ _seen_by(length, lines.tobytes()).T
-    return gains
-
-
-@lru_cache(maxsize=64)
-def _responses(tau_ms: bytes, rate_hz: float) -> Array:
-    """Power gains (taus, _FINE) of the simulator's own low pass at even frequencies all round."""
-    responses = []
-    for tau in np.frombuffer(tau_ms, np.float64).tolist():
-        impulse = np.zeros(_FINE)
-        impulse[1] = 1.0
-        place = Place("", 0, (), 1, partial(stream, 0, "gap"))
-        nowhere: Any = None  # a filter looks at nothing but its input
-        at = At(place, impulse, 1.0 / rate_hz, nowhere, impulse, None, impulse, impulse)
-        responses.append(np.abs(np.fft.fft(low_pass(impulse, {"time_constant_ms": tau}, at))) ** 2)
-    return np.array(responses)
-
-
-@lru_cache(maxsize=8)
-def _seen_by(length: int, frequency: bytes) -> Array:
-    """How much of each of _FINE even frequencies a line of a piece's spectrum shows, (F, _FINE)."""
-    lines = np.frombuffer(frequency, np.float64)
-    waves = np.exp(-2j * np.pi * np.outer(lines, np.arange(length)))
-    # a line of the piece less its straight line is the piece times the wave less its own
-    windows = straightened(waves.real) + 1j * straightened(waves.imag)
-    result: Array = np.abs(np.fft.fft(windows.conj(), _FINE)) ** 2 / (length * _FINE)
-    return result
 
 
 def _profile(mean_ratio: Array, weight: float, spreads: Array) -> Array:
@@ -408,6 +342,18 @@ def level_findings(
             add("low_pass", log_z, snr2, {"time_constant_ms": (tau, std)}, "band", "electronics")
         else:
             add("unknown", log_z, snr2, {}, "band", "noise")
+    for effect, (kind, parameter) in DRIFTS.items():
+        shape = (lv.beside(kind, 1.0, i) - 1.0)[keep]
+        sizes = np.sqrt(_DRIFT_POWERS / max(float(shape.max()), 1e-300))
+        gains = 1.0 + sizes[:, None] ** 2 * shape
+        under = ratio / gains
+        logs = best_log(under) - np.log(gains) @ pieces
+        logs = logs + _profile(_mean(under, pieces), weight, null_spread)[:, 0]
+        value, std = _peak(sizes, logs)
+        snr2 = 2.0 * max(float(logs.max()) - nothing, 0.0)
+        if effect in allowed:
+            add(effect, float(log_mean_exp(logs)), snr2, {parameter: (value, std)}, "low_frequency", "noise")
+            out[-1] = replace(out[-1], domain="process", process=(kind, value))
     order = np.argsort((lv.frequency * lv.rate_hz)[keep], kind="stable")
     q = _bands(ratio[order], pieces[order])
     logs = log_bayes(q, 1)
@@ -451,61 +397,3 @@ def _peak(grid: Array, logs: Array) -> tuple[float, float]:
     shift = float(np.clip(-b / (2.0 * a), x[0] - x[1], x[2] - x[1]))
     value = float(np.exp(x[1] + shift))
     return value, value / np.sqrt(-2.0 * a)
-
-
-def correlation_findings(lv: Levels, allowed: frozenset[str]) -> Iterator[Finding]:
-    """White noise that gyros share: one correlation for a group of gyros, or any for any pair."""
-    n = len(lv.correlation)
-    if n < 2 or lv.dof == 0:
-        return
-    if "common_noise" in allowed and "common_noise" in EFFECTS:
-        for size in range(n, 1, -1):
-            groups = list(combinations(range(n), size))
-            for group in groups:
-                share = 0.7 if size == n else 0.3 / (n - 2) / len(groups)
-                if n == 2:
-                    share = 1.0
-                yield _shared(lv, group, share)
-    for i, j in combinations(range(n), 2):
-        q = lv.dof * 2.0 * float(np.arctanh(np.clip(lv.correlation[i, j], -0.999999, 0.999999))) ** 2
-        pair = (gyro_name(i), gyro_name(j))
-        log_b = float(log_bayes(np.array(q), 1))
-        yield Finding(
-            "unknown", pair, ("*",), log_b, q, {}, 2.0 / n / (n - 1), "correlation", "noise", "correlation"
-        )
-
-
-def _shared(lv: Levels, group: tuple[int, ...], share: float) -> Finding:
-    part = lv.correlation[np.ix_(group, group)]
-    size = len(group)
-    mean = (part.sum() - size) / (size * (size - 1))
-    fine = np.linspace(mean - 0.02, mean + 0.02, 41)
-    lowest = -1.0 / (size - 1)
-    values = np.concatenate([_CORRELATIONS, -_CORRELATIONS, fine])
-    logs = np.full(len(values), -np.inf)
-    for k, rho in enumerate(values.tolist()):
-        if lowest < rho < 1.0:
-            # of (1 - r) 1 + r J: eigenvalues 1 - r, and 1 + (m - 1) r once
-            own, whole = 1.0 - rho, 1.0 + (size - 1) * rho
-            trace = (size - part.sum() / size) / own + part.sum() / size / whole
-            logs[k] = -lv.dof * ((size - 1) * np.log(own) + np.log(whole) + trace - size)
-    coarse = logs[: 2 * len(_CORRELATIONS)]
-    best = int(np.argmax(logs))
-    # the true value lies between points of the coarse grid: its peak is the fine grid's, as wide as a cell
-    # allows
-    std = float(1.0 / np.sqrt(2.0 * lv.dof * size * (size - 1) / 2.0))
-    spacing = 0.5 * abs(float(values[best]))
-    peak = float(logs[best]) + np.log(min(2.5 * std / max(spacing, std), 1.0)) - np.log(len(coarse))
-    log_b = max(float(log_mean_exp(coarse)), peak)
-    return Finding(
-        "common_noise",
-        tuple(gyro_name(i) for i in group),
-        ("*",),
-        log_b,
-        2.0 * float(logs[best]),
-        {"correlation": (float(values[best]), std)},
-        share,
-        "correlation",
-        "noise",
-        "correlation",
-    )

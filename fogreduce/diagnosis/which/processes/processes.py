@@ -21,15 +21,14 @@ from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.noise_model import Whitener
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.which.catalogue.unlogged import HOLDS_S, UNLOGGED
+from fogreduce.diagnosis.which.full_rate.spectrum import DRIFTS
 from fogreduce.diagnosis.which.processes.jumps import Record, jumps_add
 from fogreduce.diagnosis.which.processes.shapes import Known, Shapes
 from fogreduce.diagnosis.which.processes.sizes import STEPS, size_logs, whole_evidence
 from fogreduce.effects.gyro_names import gyro_name
-from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
-CATALOGUED = {name: effect.process for name, effect in EFFECTS.items() if effect.process is not None}
 _FORGETS_S = (1.5, 5.0, 15.0, 45.0)
 _SHARE = 3.0  # how often the unknown is a process, beside other families
 _OF_GAIN = 0.5  # of those, how often it goes with the reading
@@ -84,7 +83,7 @@ class Processes:
         jumping: list[tuple[tuple[str, ...], Record, float, float, float]] = []
         for i in range(n):
             name = (gyro_name(i),)
-            for effect, (kind, parameter) in CATALOGUED.items():
+            for effect, (kind, parameter) in DRIFTS.items():
                 log_b, gain, value, std = self._held(left, i, kind)
                 known = effect in allowed
                 yield Finding(

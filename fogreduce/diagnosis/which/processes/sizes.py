@@ -14,7 +14,7 @@ from fogreduce.diagnosis.observe.blocks import Blocks
 
 Array = NDArray[np.float64]
 
-_LOWEST, _HIGHEST, STEPS = 1.5, 3000.0, 40
+_LOWEST, _HIGHEST, STEPS = 1.5, 1e6, 70
 SOME = 1e-6  # of the largest variance: what is below it is none
 _FEWER = 1e-8  # the same, before noise weighs them
 

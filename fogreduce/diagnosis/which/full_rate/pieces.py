@@ -1,0 +1,92 @@
+"""What short pieces of a stream, each less its straight line, show of a process: their averaged spectrum.
+
+A piece's edges let strong lines leak into weak ones; what is expected has that in it, as the captures have.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache, partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.diagnosis.observe.full_rate import PIECE, straightened
+from fogreduce.effects.at import At, Place
+from fogreduce.effects.electronics import low_pass
+from fogreduce.simulate.streams import stream
+
+Array = NDArray[np.float64]
+
+FINE = 2048  # frequencies at which a spectrum is taken: longer than a filter's memory and a piece
+
+
+def drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0.0) -> Array:
+    """One-sided density [(deg/h)^2/Hz] of flicker of B [deg/h] and a walk of K [deg/h/sqrt(h)]."""
+    turning = 2.0 * np.pi * hertz
+    result: Array = 2.0 * np.square(flicker) / turning + 2.0 * np.square(walk) / (
+        SECONDS_PER_HOUR * turning**2
+    )
+    return result
+
+
+def filter_gain(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
+    """Power (taus, F) of white noise of variance 1 after the simulator's own low pass, as pieces show it.
+
+    A piece's edges let the strong low lines leak into the weak high ones: that is in it.
+
+    Parameters
+    ----------
+    tau_ms : (taus,) array
+    rate_hz : float
+    frequency : (F,) array
+        Lines of the pieces' spectrum, as fractions of the sample rate, one after another.
+    """
+    return shown_by_pieces(_responses(tau_ms.tobytes(), rate_hz), frequency)
+
+
+def shown_by_pieces(power: Array, frequency: Array) -> Array:
+    """What pieces less their straight lines show (..., F) of a spectrum (..., FINE) at even frequencies."""
+    gains = np.empty((*power.shape[:-1], len(frequency)))
+    starts = np.flatnonzero(np.diff(frequency, prepend=np.inf) <= 0.0).tolist()
+    for first, stop in pairwise([*starts, len(frequency)]):
+        lines = frequency[first:stop]
+        length = round((stop - first - 1) / (lines[-1] - lines[0])) if stop - first > 1 else PIECE
+        gains[..., first:stop] = power @ _seen_by(length, lines.tobytes()).T
+    return gains
+
+
+@lru_cache(maxsize=64)
+def _responses(tau_ms: bytes, rate_hz: float) -> Array:
+    """Power gains (taus, FINE) of the simulator's own low pass at even frequencies all round."""
+    responses = []
+    for tau in np.frombuffer(tau_ms, np.float64).tolist():
+        impulse = np.zeros(FINE)
+        impulse[1] = 1.0
+        place = Place("", 0, (), 1, partial(stream, 0, "gap"))
+        nowhere: Any = None  # a filter looks at nothing but its input
+        at = At(place, impulse, 1.0 / rate_hz, nowhere, impulse, None, impulse, impulse)
+        responses.append(np.abs(np.fft.fft(low_pass(impulse, {"time_constant_ms": tau}, at))) ** 2)
+    return np.array(responses)
+
+
+@lru_cache(maxsize=8)
+def _seen_by(length: int, frequency: bytes) -> Array:
+    """How much of each of FINE even frequencies a line of a piece's spectrum shows, (F, FINE)."""
+    lines = np.frombuffer(frequency, np.float64)
+    waves = np.exp(-2j * np.pi * np.outer(lines, np.arange(length)))
+    # a line of the piece less its straight line is the piece times the wave less its own
+    windows = straightened(waves.real) + 1j * straightened(waves.imag)
+    result: Array = np.abs(np.fft.fft(windows.conj(), FINE)) ** 2 / (length * FINE)
+    return result
+
+
+def shown_drift(rate_hz: float, frequency: Array, flicker: Array | float, walk: Array | float) -> Array:
+    """Power (..., F) [(deg/h)^2] in pieces of flicker B [deg/h] and a walk K [deg/h/sqrt(h)], (...,)."""
+    fine = np.abs(np.fft.fftfreq(FINE)[1:]) * rate_hz
+    flicker, walk = np.asarray(flicker)[..., None], np.asarray(walk)[..., None]
+    density = drifting(fine, flicker, walk)
+    whole = np.concatenate([np.zeros((*density.shape[:-1], 1)), 0.5 * rate_hz * density], axis=-1)
+    return shown_by_pieces(whole, frequency)
