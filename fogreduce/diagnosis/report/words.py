@@ -13,6 +13,8 @@ from fogreduce.pages.numbers import number, plus_minus
 
 #: Times what units of this class show: worth a word.
 _FAR = 10.0
+#: Causes that one line names.
+_FEW = 6
 
 
 def named(cause: Cause) -> str:
@@ -158,6 +160,8 @@ def headline(document: Mapping[str, Any]) -> str:
 def announced(document: Mapping[str, Any]) -> str:
     """The verdict and its causes in one line; a group as a group."""
     causes = []
+    if len(document["causes"]) > _FEW:
+        return f"{document['verdict'].replace('_', ' ')}: {len(document['causes'])} causes"
     for cause in document["causes"]:
         if is_group(cause):
             members = [f"{titled(m)} ({percent(m['probability'])})" for m in cause["group"]]
@@ -172,7 +176,7 @@ def in_detail(document: Mapping[str, Any]) -> list[str]:
     lines = mistakes_in_words(document)
     for cause in document["causes"]:
         found = "; ".join(sizes(cause, document["raw_unit"], document["part"]))
-        if found:
+        if found or len(document["causes"]) > _FEW:
             lines.append(f"{'if it is ' * is_group(cause)}{titled(cause)}: {found}")
     closure = document["closure"]
     if closure is not None and document["causes"]:
@@ -184,7 +188,7 @@ def in_detail(document: Mapping[str, Any]) -> list[str]:
 
 def closed(closure: Mapping[str, Any]) -> str:
     """How much closes, with its error."""
-    return f"{measured(100 * closure['fraction'], 100 * closure['std'])} %"
+    return f"{100 * closure['fraction']:.1f} \N{PLUS-MINUS SIGN} {max(100 * closure['std'], 0.1):.1f} %"
 
 
 def mistakes_in_words(document: Mapping[str, Any]) -> list[str]:
