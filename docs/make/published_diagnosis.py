@@ -1,9 +1,9 @@
 """The published run's gap, accounted for.
 
 ``python docs/make/published_diagnosis.py campaigns calibrations docs`` writes
-``docs/published-diagnosis.md`` and its figure from the paper's curves alone, without noise, so that the numbers
-are the same wherever it runs; a test holds the page against them. Its last section is what a diagnosis of the
-reconstruction says (some ten seconds). Everything is in deg/h.
+``docs/published-diagnosis.md`` and its figure from the paper's curves alone, without noise, so that the
+numbers are the same wherever it runs; a test holds the page against them. Its last section is what a
+diagnosis of the reconstruction says (some ten seconds). Everything is in deg/h.
 """
 
 from __future__ import annotations
