@@ -16,7 +16,7 @@ LAYERS = [
     {"physics"},
     {"metadata", "datasets", "estimate", "effects", "plausibility"},
     {"stages", "simulate", "diagnosis", "archive", "figures", "pages", "calibrate", "characterise", "guess"},
-    {"cli", "warm", "python"},
+    {"cli", "warm", "python", "selftest"},
 ]
 
 #: What the package's own __init__ offers lazily; anybody may ask for the version.

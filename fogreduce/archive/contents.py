@@ -8,6 +8,7 @@
 ``results/<campaign>/index.html``            its page, where there is one
 ``results/<campaign>/_diagnosis/``           its diagnosis, where there is one
 ``results/<campaign>/_calibration/``         a calibration derived from it, where there is one
+``results/_selftest/``                       published numbers as the software computes them, if it was asked
 ``software/``                                the package's source, its rules, the lock of its environment
 ============================================ ===========================================================
 """
@@ -38,6 +39,8 @@ from fogreduce.metadata.faults import NAME_PATTERN
 MADE = "_captures"
 #: Folders beside a campaign's runs: its diagnosis, a calibration derived from it.
 OF_CAMPAIGN = ("_diagnosis", "_calibration")
+#: Folder beside the campaigns: the software's own examination (`fogreduce selftest`).
+SELFTEST = "_selftest"
 #: The page of a campaign, beside its runs.
 PAGE = "index.html"
 
@@ -138,6 +141,9 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
             if not name.endswith(".log"):
                 place = f"results/{campaign}/{of_campaign}/{name}"
                 items[place] = Item(place, folder / name)
+    examined = results / SELFTEST
+    for name in result_files(examined) if examined.is_dir() else ():
+        items[f"results/{SELFTEST}/{name}"] = Item(f"results/{SELFTEST}/{name}", examined / name)
     page = results / campaign / PAGE
     if page.is_file():
         items[f"results/{campaign}/{PAGE}"] = Item(f"results/{campaign}/{PAGE}", page)

@@ -37,6 +37,10 @@ COMMANDS = {
     "restore": ("restore", "make a working folder of an archive, or compare results with it"),
     "history": ("history", "show the versions of a run's results, and what changed between them"),
     "server": ("server", "serve the commands of a workflow's jobs from one warm process"),
+    "selftest": (
+        "selftest",
+        "compute published numbers: a page of expected and obtained",
+    ),
     "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
     "page": ("page", "write pages of results for people: a run, a campaign, all campaigns (a node)"),
 }

@@ -1,0 +1,1 @@
+"""Published numbers, computed by the installed software: expected beside obtained."""
