@@ -151,7 +151,7 @@ def _rate_chart(derivation: Derivation, gyro: int) -> Markup:
         for name, found in ((f"gyro{gyro + 1}", straight), ("polynomial", curved))
         if found
     ]
-    ticks = some_ticks([f"{one.rate_deg_s:.3g}" for one in straight], most=16)
+    ticks = some_ticks([number(one.rate_deg_s, 3) for one in straight], most=16)
     label = f"Residuals of gyro{gyro + 1} in order of the rate about its input axis [deg/s]"
     return points(panels, ticks, label, height=80.0)
 

@@ -69,9 +69,11 @@ def test_a_used_record_that_was_changed_is_refused_by_reduce_and_found_by_valida
     assert call(lab, "calibrations", "validate", "--results", str(lab.results)) == 0
     lab.record.write_text(lab.record.read_text().replace("certificate 7", "certificate 8"))
     before = {path: path.read_bytes() for path in lab.results.rglob("*") if path.is_file()}
-    for out in ("r1", "r2"):  # also in a new folder beside the results that used it
+    other = shutil.copytree(lab.run, lab.run.with_name("r2"))
+    (other / "run.yaml").write_text(lab.yaml.read_text().replace("run_id: r1", "run_id: r2"))
+    for run in (lab.run, other):  # also a run that was never reduced, beside the results that used it
         capsys.readouterr()
-        assert call(lab, "reduce", str(lab.run), "--out", str(lab.results / "c1" / out)) == 2
+        assert call(lab, "reduce", str(run), "--out", str(lab.results / "c1" / run.name)) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert line.startswith(f"{lab.record}: found another content than r1 was reduced with")
     assert before == {path: path.read_bytes() for path in lab.results.rglob("*") if path.is_file()}

@@ -138,7 +138,7 @@ def test_the_curve_in_the_unit_in_use(small_lab, capsys):
 def test_runs_in_different_units_are_gathered(tmp_path):
     labs = [in_unit(SmallLab(tmp_path / name.replace("/", "_")), name) for name in ("V", "deg/s", "count")]
     for k, lab in enumerate(labs):
-        lab.out = tmp_path / "results" / "c1" / f"r{k}"
+        lab.out = tmp_path / "results" / f"c{k + 2}" / "r1"  # (each lab has a record of the same id)
         assert main(lab.reduce()) == 0
     outs = [str(lab.out) for lab in labs]
     assert main(["summary", *outs, "--out", str(tmp_path / "summary")]) == 0
