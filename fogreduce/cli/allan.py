@@ -39,4 +39,6 @@ def run(arguments: argparse.Namespace) -> int:
     print(result)
     for path in written:
         print(path)
+    if folder.is_relative_to(arguments.results) and (arguments.results / "outputs.json").is_file():
+        print(f"take the checksums anew, for an archive: fogreduce checksums {arguments.results}")
     return 0

@@ -35,6 +35,14 @@ class PagesConfig(ConfigModel):
     enabled: bool = Field(default=True, description="whether pages are written")
 
 
+class AllanConfig(ConfigModel):
+    """Allan deviation of each run, of every sample."""
+
+    enabled: bool = Field(
+        default=False, description="whether each run gets its Allan deviation, noise coefficients and density"
+    )
+
+
 class StorageConfig(ConfigModel):
     """How datasets are laid out in their HDF5 files."""
 
@@ -107,6 +115,7 @@ class WorkflowConfig(ConfigModel):
     )
     figures: FiguresConfig = Field(default=FiguresConfig(), description="figures of each run")
     pages: PagesConfig = Field(default=PagesConfig(), description="pages of each run and campaign")
+    allan: AllanConfig = Field(default=AllanConfig(), description="Allan deviation of each run")
     reduction: ReductionConfig = Field(default=ReductionConfig(), description="parameters of the reduction")
     warm_server: bool = Field(
         default=True, description="whether one process that has imported everything serves the jobs"

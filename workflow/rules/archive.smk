@@ -6,6 +6,7 @@ rule checksums:
         manifest=rules.manifest.output[0],
         stages=STAGES,
         figures=run_file("figures") if CONFIG.figures.enabled else [],
+        allan=run_file("allan") if CONFIG.allan.enabled else [],
         page=rules.run_page.output if CONFIG.pages.enabled else [],
     output:
         run_file("outputs.json"),
@@ -56,6 +57,18 @@ rule bag:
         "fogreduce archive {params.results:q} --only {wildcards.campaign} --campaigns {params.campaigns:q}"
         " --calibrations {params.calibrations:q} --source {params.source:q} --out {params.out:q} --by-digest"
         " > {output:q} 2> {log:q}"
+
+
+rule selftest:
+    output:
+        directory(f"{RESULTS}/_selftest"),
+    log:
+        f"{RESULTS}/_archive/logs/_selftest.log",
+    params:
+        code=code_digest("fogreduce.selftest.run"),
+        lock=LOCK,
+    shell:
+        "fogreduce selftest --out {output:q} > {log:q} 2>&1"
 
 
 rule archive:

@@ -1,4 +1,4 @@
-"""Figures of a run."""
+"""Figures of a run; its Allan deviation where it is asked for."""
 
 
 rule figures:
@@ -24,3 +24,24 @@ rule figures:
     shell:
         "fogreduce figures --run {params.folder:q} --out {params.out:q} --formats {params.formats}"
         " > {log:q} 2>&1"
+
+
+rule allan:
+    input:
+        manifest=run_file("manifest.json"),
+        stages=STAGES,
+    output:
+        directory(run_file("allan")),
+    log:
+        run_file("logs/allan.log"),
+    params:
+        edited=edited_outputs("allan"),
+        code=code_digest(
+            "fogreduce.characterise.allan_run",
+            "fogreduce.characterise.allan_tables",
+            "fogreduce.figures.allan",
+        ),
+        lock=LOCK,
+        out=subpath(output[0], parent=True),
+    shell:
+        "fogreduce allan {params.out:q} > {log:q} 2>&1"
