@@ -283,6 +283,12 @@ def _stand_alone(height: float, body: Sequence[str], label: str, width: float) -
     return str(whole(height, [ground, *body], label, width)) + "\n"
 
 
+def _plain(value: float, digits: int = 2) -> str:
+    """So many digits, without a power of ten where there is room for the zeros."""
+    rounded = float(f"{value:.{digits}g}")
+    return numbers.number(rounded, 6)
+
+
 def traces(
     panels: Sequence[tuple[str, Array | None, Array | None]],
     runs: Sequence[tuple[str, int]],
@@ -346,7 +352,7 @@ def _trace(
         _text(left + 6 if left < 60 else 8, top + 14 if left < 60 else middle + 4, name),
     ]
     for value, height in ((largest, top + 12), (0.0, middle + 4), (-largest, top + _PANEL - 12)):
-        body.append(_text(left - 4, height, f"{value:.2g}", "end", QUIET, size=10))
+        body.append(_text(left - 4, height, _plain(value), "end", QUIET, size=10))
     for parts, ink in drawn:
         for x, y in parts:
             across = left + inner * x / whole_run
@@ -424,9 +430,9 @@ def grid(
             body.append(f'<rect {place} height="{high - 2}" fill="{fill}" fill-opacity="{shade:.2f}"/>')
             if value > 0.0:
                 ink = "#ffffff" if shade > 0.6 else INK
-                lines = [(f"{value:.3g}", 20), ("", 0)]
+                lines = [(_plain(value, 3), 20), ("", 0)]
                 if _LETTER * len(words[r][c]) < wide:
-                    lines = [(f"{value:.3g} sigma", 14), (words[r][c], 27)]
+                    lines = [(f"{_plain(value, 3)} sigma", 14), (words[r][c], 27)]
                 body += [
                     _text(x + wide / 2, y + down, text, "middle", ink, size=11)
                     for text, down in lines

@@ -91,7 +91,9 @@ def test_a_wrong_sign_in_one_run_is_named_for_that_run(
     assert [one["run"] for one in found["mistakes"]] == [run]
     assert looks_like in found["mistakes"][0]["looks_like"][0]
     assert f"{run} looks like" in capsys.readouterr().out
-    assert f"{run} looks like" in (tmp_path / "out-bench" / "index.html").read_text()
+    page = (tmp_path / "out-bench" / "index.html").read_text()
+    assert f"{run} looks like" in page
+    assert "The calibration record is stale" not in page
 
 
 def test_the_next_run_is_ready_to_use(tmp_path, capsys) -> None:

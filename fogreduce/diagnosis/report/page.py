@@ -108,7 +108,7 @@ def _summary(d: Mapping[str, Any], in_results: bool) -> str:
                 f"{percent(d['gap_probability'])}."
             )
         )
-    parts += [_cause(cause, d) for cause in d["causes"]]
+    parts += _named(d)
     if d["causes"] and d["closure"] is not None:
         them = "it" if len(d["causes"]) == 1 else "them"
         words = "of the gap closes on data that the fit did not see."
@@ -132,6 +132,26 @@ def _summary(d: Mapping[str, Any], in_results: bool) -> str:
 
 def _paragraph(line: str) -> str:
     return f"<p>{line}</p>"
+
+
+def _named(d: Mapping[str, Any]) -> list[str]:
+    """Every cause; of a kind that several gyros have, one paragraph that opens into them."""
+    kinds: dict[object, list[Mapping[str, Any]]] = {}
+    for number, cause in enumerate(d["causes"]):
+        kinds.setdefault(number if is_group(cause) else cause["effect"], []).append(cause)
+    parts = []
+    for members in kinds.values():
+        if len(members) == 1:
+            parts.append(_cause(members[0], d))
+            continue
+        name = escape(EFFECTS[members[0]["effect"]].title)
+        inside = [
+            f"{escape(titled(c))}: {'; '.join(escape(size) for size in sizes(c, d['raw_unit'], d['part']))}, "
+            f"probability {percent(c['probability'])}"
+            for c in members
+        ]
+        parts.append(f"<p><strong>{name}</strong>, at {len(members)} places:</p>{items(inside)}")
+    return parts
 
 
 def _cause(cause: Mapping[str, Any], d: Mapping[str, Any]) -> str:
@@ -191,7 +211,7 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, st
     rows = [
         [
             escape(titled(c)),
-            f'{escape(_does(c))}<br><span class="quiet">{escape(EFFECTS[c["effect"]].equation)}</span>',
+            f'{escape(_does(c))}<br><span class="quiet">{escape(_formula(c))}</span>',
             percent(c["probability"]),
             "<br>".join(escape(size) for size in sizes(c, d["raw_unit"], d["part"])),
         ]
@@ -205,6 +225,10 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, st
     text += "</p>" + table(("cause", "what it does", "probability", "size"), rows)
     text += '<p class="quiet">M_i: what gyro i reads; t: time since the run began.</p>'
     return text + both("causes.svg", drawn, slim)
+
+
+def _formula(cause: Mapping[str, Any]) -> str:
+    return EFFECTS[cause["effect"]].equation.replace("+-", "\N{PLUS-MINUS SIGN}")
 
 
 def _does(cause: Mapping[str, Any]) -> str:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-#: What a calibration record holds of a gyro, by the catalogue's names.
-_OF_THE_RECORD = ("bias_offset", "scale_factor_error", "axis_misalignment")
+from fogreduce.effects.table import EFFECTS
+
 #: So many gyros off in the same campaign are no fault of one of them.
 _FEWEST_GYROS = 2
 #: A stated uncertainty that the runs move by more of its standard deviations is in doubt.
@@ -15,13 +15,18 @@ _DOUBT_SIGMA = 3.0
 
 
 def is_stale(document: Mapping[str, Any]) -> bool:
-    """Whether two gyros or more are off, in all runs, in what the record holds: as causes, or in tension."""
+    """Whether two gyros or more are off, in all runs, in what the record holds: as causes, or in tension.
+
+    A run with a mistake in it pulls at all of them and says nothing of the record.
+    """
+    if document.get("mistakes"):
+        return False
     off = [cause for cause in document["causes"] if cause["probability"] > 0.5]
     off += [t for t in document["tension"] if abs(t["sigma"]) > _DOUBT_SIGMA]
     gyros = {
         channel
         for one in off
-        if one["effect"] in _OF_THE_RECORD and one["runs"] == ["*"]
+        if EFFECTS[one["effect"]].of_record and one["runs"] == ["*"]
         for channel in one["channels"]
     }
     return len(gyros) >= _FEWEST_GYROS

@@ -142,6 +142,9 @@ def headline(document: Mapping[str, Any]) -> str:
     if document["verdict"] == "no_gap":
         return "bench and simulator agree"
     causes = document["causes"]
+    if not causes and document["mistakes"]:
+        runs = [one["run"] for one in document["mistakes"]]
+        return f"{', '.join(runs)} look{'s' * (len(runs) == 1)} like a mistake"
     if not causes:
         return "nothing in the catalogue explains the gap between bench and simulator"
     part = "" if document["verdict"] == "explained" else " a part of"
@@ -159,6 +162,8 @@ def headline(document: Mapping[str, Any]) -> str:
 
 def announced(document: Mapping[str, Any]) -> str:
     """The verdict and its causes in one line; a group as a group."""
+    if not document["causes"] and document["verdict"] == "unexplained" and document["mistakes"]:
+        return f"unexplained: {headline(document)}"
     causes = []
     if len(document["causes"]) > _FEW:
         return f"{document['verdict'].replace('_', ' ')}: {len(document['causes'])} causes"

@@ -49,7 +49,8 @@ def test_a_group_is_announced_as_a_group() -> None:
         {"effect": effect, "channels": ["gyro4"], "runs": ["*"], "probability": p}
         for effect, p in (("temperature_bias", 0.394), ("warm_up", 0.394), ("bias_ramp", 0.2))
     ]
-    found = {"verdict": "explained", "causes": [{**members[0], "group": members, "parameters": {}}]}
+    found = {"verdict": "explained", "mistakes": []}
+    found["causes"] = [{**members[0], "group": members, "parameters": {}}]
     assert headline(found) == "one of 3 causes explains the gap; these runs cannot tell which"
     assert announced(found) == (
         "explained: one of temperature bias of gyro4 (39.4 %), warm up of gyro4 (39.4 %), "
