@@ -144,7 +144,7 @@ def diagnose(
         "assumed": assumed(data),
         "part": None if part is None else _part(part),
         "tension": [one.document() for one in tensions(data.inputs, verdict.state)],
-        "mistakes": mistakes(data, verdict.word),
+        "mistakes": mistakes(data, verdict.word, verdict.state.causes),
         "next_run": None if proposal is None else proposal.document,
     }
     effects = [

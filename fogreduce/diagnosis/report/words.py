@@ -142,7 +142,7 @@ def headline(document: Mapping[str, Any]) -> str:
     if document["verdict"] == "no_gap":
         return "bench and simulator agree"
     causes = document["causes"]
-    if not causes and document["mistakes"]:
+    if document["mistakes"]:
         runs = [one["run"] for one in document["mistakes"]]
         return f"{', '.join(runs)} look{'s' * (len(runs) == 1)} like a mistake"
     if not causes:
@@ -162,8 +162,8 @@ def headline(document: Mapping[str, Any]) -> str:
 
 def announced(document: Mapping[str, Any]) -> str:
     """The verdict and its causes in one line; a group as a group."""
-    if not document["causes"] and document["verdict"] == "unexplained" and document["mistakes"]:
-        return f"unexplained: {headline(document)}"
+    if document["mistakes"]:
+        return f"{document['verdict'].replace('_', ' ')}: {headline(document)}"
     causes = []
     if len(document["causes"]) > _FEW:
         return f"{document['verdict'].replace('_', ' ')}: {len(document['causes'])} causes"

@@ -6,14 +6,18 @@ block means are put as mean curves for them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.constants import EARTH_RATE_DEG_S, SECONDS_PER_HOUR
+from fogreduce.diagnosis.inference.candidate import EVERY
+from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.observe.data import Data
+from fogreduce.effects.table import EFFECTS
 from fogreduce.estimate.mean_curve import CurveBasis
 from fogreduce.estimate.mistakes import MeasuredCurve, MeasuredSegment, likely_mistakes
 from fogreduce.estimate.uncertainty import StatedErrors
@@ -26,25 +30,41 @@ Array = NDArray[np.float64]
 _GROSS = 0.1
 #: Segments of a profile that are looked at: the longest of them.
 _MOST_SEGMENTS = 12
+#: A size of so many times what units show is out of proportion.
+_FAR = 100.0
 
 
-def mistakes(data: Data, verdict: str) -> list[dict[str, Any]]:
+def mistakes(data: Data, verdict: str, causes: Sequence[Cause] = ()) -> list[dict[str, Any]]:
     """Runs that look like mistakes, as a diagnosis has them: ``run`` and ``looks_like``, the best first.
 
     Parameters
     ----------
     data : Data
     verdict : str
-        What is explained needs no other words.
+        What is explained needs no other words, unless a run has a cause to itself that is out of proportion.
+    causes : sequence of Cause
     """
-    if verdict in ("no_gap", "explained"):
+    if verdict == "no_gap":
         return []
+    odd = {run for c in causes if c.runs != EVERY and _out_of_proportion(c) for run in c.runs}
     found = []
     for one, residual, sizes in zip(data.inputs, data.residual, data.sizes, strict=True):
+        if verdict == "explained" and one.facts.run_id not in odd:
+            continue
         words = _looks_like(one, residual / SECONDS_PER_HOUR, sizes)
         if words:
             found.append({"run": one.facts.run_id, "looks_like": words})
     return found
+
+
+def _out_of_proportion(cause: Cause) -> bool:
+    """Whether its size is far beyond what units show."""
+    given, parameters = cause.parameters(), EFFECTS[cause.effect].parameters
+    return any(
+        abs(float(given[p.name])) > _FAR * p.realistic[1]
+        for p in parameters[:1]
+        if p.kind == "number" and p.realistic is not None and p.name in given
+    )
 
 
 def _looks_like(one: RunInput, residual: Array, sizes: Array) -> list[str]:
