@@ -39,8 +39,8 @@ from fogreduce.metadata.bench import Bench
 Array = NDArray[np.float64]
 
 _MOST_RIVALS = 8
-_WORTH = 3.0  # separation from which on a longer run is worth a try [sigma]
-_ENOUGH = 6.0  # separation from which on two rivals count as told apart [sigma]
+_PROMISING_SIGMA = 3.0  # separation from which on a longer run is worth a try [sigma]
+_SEPARATED_SIGMA = 6.0  # separation from which on two rivals count as told apart [sigma]
 
 
 @dataclass(frozen=True)
@@ -86,30 +86,30 @@ def proposed(search: Search, verdict: Verdict, limits: Bench = ANY_BENCH) -> Nex
     rivals = (own, *(o.cause() for o, _ in others))
     weight = np.array([max(one.probability, 1e-3), *(max(p, 1e-3) for _, p in others)])
     evidence = _evidence(one, own, [o for o, _ in others])
-    held = _Rivals(search, rivals, evidence, _today(search, verdict, rivals))
+    separations = _Separations(search, rivals, evidence, _today(search, verdict, rivals))
     soaks = any(EFFECTS[c.effect].needs_temperature and not c.unlogged for c in rivals)
-    motion = _best(held, list(proposals(search.data.inputs, soaks, limits)), weight)
+    motion = _best(separations, list(proposals(search.data.inputs, soaks, limits)), weight)
     # no longer than it takes; where no length is enough, the longest
     chosen, separation = motion, np.zeros((len(rivals), len(rivals)))
     for part in DURATIONS:
         seconds = float(round(part * longest_s(search.data.inputs), 3))
         chosen = lasting(motion, seconds, search.data.inputs, limits)
-        separation = held.separation(chosen)
-        if _least(separation, weight, _WORTH)[0] >= _ENOUGH:
+        separation = separations.separation(chosen)
+        if _least(separation, weight, _PROMISING_SIGMA)[0] >= _SEPARATED_SIGMA:
             break
     document = _document(search.data.inputs, chosen, rivals, separation, weight)
     return NextRun(chosen, one, rivals, separation, document)
 
 
-def _best(held: _Rivals, runs: Sequence[Proposal], weight: Array) -> Proposal:
+def _best(separations: _Separations, runs: Sequence[Proposal], weight: Array) -> Proposal:
     """The run with the least confusion; what cannot beat the best so far is not looked at closely."""
     # stated uncertainties can only hide a difference: without them confusion is the least that it may be
-    least = [_confusion(held.separation(run, stated=False), weight) for run in runs]
+    least = [_confusion(separations.separation(run, stated=False), weight) for run in runs]
     best: tuple[float, Proposal] = (np.inf, runs[0])
     for bound, run in sorted(zip(least, runs, strict=True), key=lambda pair: pair[0]):
         if bound >= best[0]:
             break
-        best = min(best, (_confusion(held.separation(run), weight), run), key=lambda pair: pair[0])
+        best = min(best, (_confusion(separations.separation(run), weight), run), key=lambda pair: pair[0])
     return best[1]
 
 
@@ -151,23 +151,23 @@ def _confusion(separation: Array, weight: Array) -> float:
     return float(sum(weight[a] * weight[b] * np.exp(-(separation[a, b] ** 2) / 8.0) for a, b in pairs))
 
 
-def _least(separation: Array, weight: Array, enough: float = _ENOUGH) -> tuple[float, list[int]]:
+def _least(separation: Array, weight: Array, enough: float = _SEPARATED_SIGMA) -> tuple[float, list[int]]:
     """The least separation of the rivals that the run tells apart from one another, and which they are.
 
     Where it tells none apart, of the best pair.
     """
     order = np.argsort(-weight, kind="stable").tolist()
-    told = [order[0]]
+    separated = [order[0]]
     for k in order[1:]:
-        if all(separation[k, other] >= enough for other in told):
-            told.append(k)
-    if len(told) == 1:
-        told.append(max(order[1:], key=lambda k: float(separation[order[0], k])))
-    return float(min(separation[a, b] for a, b in combinations(told, 2))), told
+        if all(separation[k, other] >= enough for other in separated):
+            separated.append(k)
+    if len(separated) == 1:
+        separated.append(max(order[1:], key=lambda k: float(separation[order[0], k])))
+    return float(min(separation[a, b] for a, b in combinations(separated, 2))), separated
 
 
 @dataclass
-class _Rivals:
+class _Separations:
     """Rivals set against runs that might be next."""
 
     search: Search
@@ -241,19 +241,21 @@ def _document(
     separation: Array,
     weight: Array,
 ) -> dict[str, Any]:
-    sigma, told = _least(separation, weight)
-    names = [named(rivals[k]) for k in told]
-    left = [named(rivals[k]) for k in range(len(rivals)) if k not in told or sigma < _ENOUGH]
+    sigma, separated = _least(separation, weight)
+    names = [named(rivals[k]) for k in separated]
+    left = [named(rivals[k]) for k in range(len(rivals)) if k not in separated or sigma < _SEPARATED_SIGMA]
     least = "" if len(names) == 2 else " or more"
     why = f"{proposal.words}: {names[0]} is then told from {', '.join(names[1:])} by {sigma:.1f} sigma{least}"
-    if sigma < _ENOUGH:
-        why += f", which is not enough ({_ENOUGH:g} would be), and no run that was weighed brings more"
+    if sigma < _SEPARATED_SIGMA:
+        why += (
+            f", which is not enough ({_SEPARATED_SIGMA:g} would be), and no run that was weighed brings more"
+        )
     elif left:
         why += f". {', '.join(left)}: not told from all of these"
     if any(c.unlogged for c in rivals):
         why += ". A temperature log in every run would tell what a temperature does from the rest"
     out: dict[str, Any] = {
-        "separates": names if sigma >= _ENOUGH else [],
+        "separates": names if sigma >= _SEPARATED_SIGMA else [],
         "table": {"axis": proposal.axis, "profile": proposal.profile()},
         "orientation": proposal.orientation,
         "expected_sigma": round(sigma, 3),

@@ -27,7 +27,7 @@ SCHEMA = "fogreduce/detectable/1"
 #: What is said of effects of a temperature that is not logged (`which/catalogue/unlogged`).
 UNLOGGED = "without a temperature log in every run it shows as a smooth random drift, which has no amplitude"
 #: Separation below which two effects are not told apart for sure [sigma].
-TOLD_APART = 4.0
+SEPARATED_SIGMA = 4.0
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from scipy.special import chndtrinc, gammaincinv, ndtri
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.next.detectable import TOLD_APART, Row, crossing, threshold
+from fogreduce.diagnosis.next.detectable import SEPARATED_SIGMA, Row, crossing, threshold
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.observe.full_rate import FIRST_LINE, PIECE
 from fogreduce.diagnosis.which.full_rate.converter import _WAVES
@@ -165,7 +165,7 @@ def _lines(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
         if n > 1:
             basis = np.linalg.qr(seen)[0]
             left = float(np.sqrt(max(1.0 - np.sum(basis[i] ** 2), 0.0)))
-        rivals = () if left * 10.0 >= TOLD_APART and n > 1 else ("base_motion table",)
+        rivals = () if left * 10.0 >= SEPARATED_SIGMA and n > 1 else ("base_motion table",)
         amplitude = None if own is None else own * float(unit[i])
         yield Row(
             "periodic_interference", (gyro_name(i),), ("*",), "deg_h", amplitude, own is not None, at, rivals

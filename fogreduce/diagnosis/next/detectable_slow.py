@@ -13,7 +13,7 @@ from scipy.special import chndtr, chndtrinc, ndtri
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.evidence import log_bayes, log_mean_exp
 from fogreduce.diagnosis.inference.noise_model import Metric, nuisances, whitener
-from fogreduce.diagnosis.next.detectable import TOLD_APART, Row, crossing, threshold
+from fogreduce.diagnosis.next.detectable import SEPARATED_SIGMA, Row, crossing, threshold
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.diagnosis.which.catalogue.candidates import all_candidates
@@ -134,7 +134,7 @@ class _Scene:
                 apart2 = snr**2 - 2.0 * scale * products[first] + alone
             else:
                 apart2 = snr**2 * (1.0 - self.gains(other, products) / own)
-            if float(np.min(apart2)) < TOLD_APART**2:
+            if float(np.min(apart2)) < SEPARATED_SIGMA**2:
                 out.append(_label(c))
         return tuple(dict.fromkeys(out))
 

@@ -36,7 +36,7 @@ def in_text(found: Mapping[str, Any]) -> str:
         lines.append("  ".join(cells).rstrip())
     for name, why in found["not_shown"].items():
         lines.append(f"{name.ljust(widths[0])}  no amplitude: {why}")
-    lines += ["", _not_told(found)]
+    lines += ["", _not_separated(found)]
     lines += [f"  {'; '.join(group)}" for group in found["groups"]]
     return "\n".join(lines)
 
@@ -48,7 +48,7 @@ def _title(found: Mapping[str, Any]) -> str:
     )
 
 
-def _not_told(found: Mapping[str, Any]) -> str:
+def _not_separated(found: Mapping[str, Any]) -> str:
     if not found["groups"]:
         return f"All effects could be told apart at a signal-to-noise ratio of {found['snr']:g}."
     return f"Not told apart at a signal-to-noise ratio of {found['snr']:g} (one group a line):"
@@ -116,17 +116,24 @@ def _csv(rows: Sequence[Mapping[str, Any]]) -> str:
     return out.getvalue()
 
 
+def _does(name: str) -> str:
+    """What an effect does, in words and as a formula."""
+    effect = EFFECTS[name]
+    who = {"gyro": "a gyro", "table": "the table", "clock": "the clock"}[effect.channels]
+    formula = escape(effect.equation.replace("+-", "\N{PLUS-MINUS SIGN}"))
+    if not effect.words:
+        return formula
+    return f'{who} {escape(effect.words)}<br><span class="quiet">{formula}</span>'
+
+
 def _page(found: Mapping[str, Any]) -> str:
     percent = f"{100.0 * found['probability']:g} %"
     lines = [
-        [escape(name), escape(EFFECTS[name].equation), escape(f"{size} {unit}".strip()), escape(where)]
+        [escape(name), _does(name), escape(f"{size} {unit}".strip()), escape(where)]
         for name, size, unit, where in _summary(found["effects"])
     ]
-    lines += [
-        [escape(name), escape(EFFECTS[name].equation), "none", escape(why)]
-        for name, why in found["not_shown"].items()
-    ]
-    told = "".join(f"<li>{escape('; '.join(group))}</li>" for group in found["groups"])
+    lines += [[escape(name), _does(name), "none", escape(why)] for name, why in found["not_shown"].items()]
+    groups = "".join(f"<li>{escape('; '.join(group))}</li>" for group in found["groups"])
     return document(
         f"{found['campaign']}: what these runs would show",
         [
@@ -137,7 +144,7 @@ def _page(found: Mapping[str, Any]) -> str:
             "<h2>How small</h2>",
             table(("effect", "what it does", "smallest amplitude seen", "where"), lines),
             "<h2>What could not be told apart</h2>",
-            f"<p>{escape(_not_told(found))}</p>" + (f"<ul>{told}</ul>" if told else ""),
+            f"<p>{escape(_not_separated(found))}</p>" + (f"<ul>{groups}</ul>" if groups else ""),
             '<p class="quiet">detectable.csv beside this page has every place by itself.</p>',
         ],
     )

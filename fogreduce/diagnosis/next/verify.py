@@ -65,30 +65,30 @@ def verified(
             found="a run of that name",
             expected="it renamed, for --verify-next",
         )
-    told = best.document["separates"] or best.document["leaves"]
-    beside = [c for k, c in enumerate(diagnosis.verdict.state.causes) if k != best.one.index]
+    to_separate = best.document["separates"] or best.document["leaves"]
+    others = [c for k, c in enumerate(diagnosis.verdict.state.causes) if k != best.one.index]
     truths = []
     # what a temperature without a log does cannot be simulated
-    for truth in [c for c in best.rivals if named(c) in told and not c.unlogged][:_MOST_TRUTHS]:
+    for truth in [c for c in best.rivals if named(c) in to_separate and not c.unlogged][:_MOST_TRUTHS]:
         with tempfile.TemporaryDirectory() as scratch:
             whole = _campaign(
                 diagnosis,
                 best,
-                [*beside, _settled(diagnosis, beside, truth)],
+                [*others, _refitted(diagnosis, others, truth)],
                 campaign,
                 calibrations,
                 Path(scratch),
             )
             found = diagnose(whole, calibrations, without, _with_next(only), part=part).document
-        truths.append(_said(found, truth, told))
+        truths.append(_outcome(found, truth, to_separate))
     return {"separated": bool(truths) and all(t["separated"] for t in truths), "truths": truths}
 
 
-def _settled(diagnosis: Diagnosis, beside: Sequence[Cause], truth: Cause) -> Cause:
+def _refitted(diagnosis: Diagnosis, others: Sequence[Cause], truth: Cause) -> Cause:
     """A rival with the values that fit best beside the other causes."""
     if not truth.slow:
         return truth
-    state = diagnosis.search.state([*beside, truth], diagnosis.verdict.state.ground)
+    state = diagnosis.search.state([*others, truth], diagnosis.verdict.state.ground)
     return state.causes[-1]
 
 
@@ -117,7 +117,7 @@ def _campaign(
         for c in causes
         if c.runs == ("*",) and not c.unlogged
     ]
-    effects = {"schema": EFFECTS_SCHEMA, "effects": plain(entries + _fresh(diagnosis))}
+    effects = {"schema": EFFECTS_SCHEMA, "effects": plain(entries + _new_in_the_run(diagnosis))}
     write_text(scratch / "effects.yaml", dump_yaml(effects))
     options = Options(effects_file=scratch / "effects.yaml", seed=0, part=inputs[0].part)
     write_campaign(prepare(plan_folder, calibrations, options), made)
@@ -133,7 +133,7 @@ def _campaign(
     return made
 
 
-def _fresh(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+def _new_in_the_run(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Entries for what is new in each run: turn-on biases and azimuth, one draw of what is stated."""
     first = diagnosis.data.inputs[0]
     stated = first.record.stated_uncertainty.turn_on_bias_deg_h
@@ -154,14 +154,14 @@ def _fresh(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return entries
 
 
-def _said(found: dict[str, Any], truth: Cause, told: Sequence[str]) -> dict[str, Any]:
+def _outcome(found: dict[str, Any], truth: Cause, to_separate: Sequence[str]) -> dict[str, Any]:
     """What the second diagnosis says of a truth."""
     causes = found["causes"]
     names = [in_words(c) for c in causes]
     own = next((c for c in causes if named(truth) in [in_words(m) for m in c["group"]]), None)
     group = [] if own is None else [in_words(m) for m in own["group"]]
     members = [m for c in causes for m in c["group"] if in_words(m) == named(truth)]
-    rivals = [name for name in told if name != named(truth)]
+    rivals = [name for name in to_separate if name != named(truth)]
     return {
         "truth": named(truth),
         "verdict": found["verdict"],
