@@ -87,6 +87,7 @@ STAGES = {
             "tables/drift_by_records.csv",
             "tables/budget.csv",
             "tables/correlations.csv",
+            "datasets/budget.nc",
         ),
         ("complete_records",),
         ("table", "frame_signs", "site", "orientation", "azimuth_deg", "azimuth_uncertainty_deg", "capture"),

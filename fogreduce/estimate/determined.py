@@ -26,7 +26,9 @@ Array = NDArray[np.float64]
 #: A sine of so many standard errors is seen, whatever its error.
 _SEEN = 3.0
 #: What is said of a sine that has no phase.
-NO_PHASE = "d: b is no larger than its error"
+NO_PHASE = "d: b is no larger than its expanded error"
+#: Amplitude in standard errors that 95 % of all sines of noise alone stay below: Rayleigh, sqrt(-2 ln 0.05).
+_NOISE_STAYS_BELOW = math.sqrt(-2.0 * math.log(0.05))
 
 
 def why_undetermined(
@@ -55,11 +57,11 @@ def why_undetermined(
 
 
 def has_phase(fit: CurveFit, covariance: Array) -> bool:
-    """Whether the sine is larger than its standard error by `covariance` (4, 4): else no phase is known."""
+    """Whether the sine is larger than its expanded error by `covariance` (4, 4): else no phase is known."""
     if not fit.has_sine:
         return False
     b, error, _, _ = amplitude_and_phase(fit.theta, covariance)
-    return b > error
+    return b > _NOISE_STAYS_BELOW * error
 
 
 def _largest_error(covariance: Array) -> float:

@@ -60,7 +60,7 @@ class SegmentBins:
     def of(
         cls, inside: Mask, basis: CurveBasis, bins: Bins, scale_factor: Array, projection: Array | None
     ) -> SegmentBins:
-        """Of a run's bins, whose first channels are the gyros' raw readings."""
+        """Of a run's bins, whose first channels are the gyros' raw readings; scale factors with polarity."""
         columns = basis.columns(bins.time_s[inside])
         mean = bins.mean[: scale_factor.size, inside]
         there = np.isfinite(mean)
@@ -121,7 +121,7 @@ class CurveNoise:
     ) -> None:
         self._facts, self._bin_s, self._bins = facts, bin_s, bins.time_s.size
         self.segments = [
-            SegmentBins.of(inside, basis, bins, facts.scale_factor, projection)
+            SegmentBins.of(inside, basis, bins, facts.polarity * facts.scale_factor, projection)
             for basis, inside, projection in segments
         ]
         learnt = sorted(

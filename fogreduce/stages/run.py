@@ -26,6 +26,7 @@ from fogreduce.stages import drift as drift_stage
 from fogreduce.stages import encoder as encoder_stage
 from fogreduce.stages import tables
 from fogreduce.stages.budget import BUDGET_COLUMNS, CORRELATIONS_COLUMNS, budget_of
+from fogreduce.stages.budget_dataset import write_budget
 from fogreduce.stages.calibrate import calibrate
 from fogreduce.stages.dataset import StageDataset
 from fogreduce.stages.files import (
@@ -183,6 +184,7 @@ def run_drift(setup: Setup, progress: Progress = _silent) -> None:
     tables.write_table(setup.table("drift_by_records"), drift_stage.RULE_COLUMNS, rules)
     tables.write_table(setup.table("budget"), BUDGET_COLUMNS, parts[0])
     tables.write_table(setup.table("correlations"), CORRELATIONS_COLUMNS, parts[1])
+    write_budget(setup, budget)
 
 
 def _open_capture(setup: Setup, run_dir: Path) -> Reader:

@@ -127,6 +127,7 @@ rule drift:
         run_file("tables/drift_by_records.csv"),
         run_file("tables/budget.csv"),
         run_file("tables/correlations.csv"),
+        run_file("datasets/budget.nc"),
     log:
         run_file("logs/drift.log"),
     params:
