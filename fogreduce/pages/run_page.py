@@ -11,6 +11,7 @@ from fogreduce.archive.records import Manifest, read_manifest, read_record
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.pages import svg
 from fogreduce.pages.attention import first_of_each, names_of
+from fogreduce.pages.budget_bars import budget_bars
 from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
 from fogreduce.pages.overview import overview, real, report
 from fogreduce.pages.render import Crumb, page
@@ -78,6 +79,7 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "attention": first_of_each(seen["attention"]),
         "drift": _drift_rows(tables["drift"], tables["rates"]),
         "rates": _rate_rows(tables["rates"]),
+        "budget": budget_bars(tables["budget"]),
         "chart": None if figures else _chart(seen),
         "flags": [flag(kind, value) for kind, value in seen["flagged"].items()],
         "places": _places(folder, version),

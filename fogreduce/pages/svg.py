@@ -7,7 +7,7 @@ figure's words could not be read.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 
@@ -20,6 +20,8 @@ from fogreduce.pages import numbers
 Array = NDArray[np.float64]
 
 INK, POINT, PALE, QUIET, WARNING = "#222222", "#1d4f80", "#86a3c3", "#5f5f5f", "#a3123a"
+#: Of shares: dark and light in turn, told apart without colour too.
+_SHARES = ("#1d4f80", "#d9a441", "#7a2048", "#9ac1b5", "#3f3f3f", "#c9c9c9")
 _WIDTH, _LEFT, _RIGHT, _TOP = 960, 128, 14, 10
 _GAP = 14
 #: Values beyond so many times the scatter of the rest do not set the scale: they stand at the panel's edge.
@@ -116,6 +118,41 @@ def whole(height: float, body: Sequence[str], label: str, width: float = _WIDTH)
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height:.0f}" role="img" '
         f'aria-label="{escape(label)}" font-family="sans-serif" font-size="12">' + "".join(body) + "</svg>"
     )
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A bar of shares: its name, what stands at its end, and the shares, which sum to 1."""
+
+    name: str
+    text: str
+    shares: Mapping[str, float]
+
+
+def shares(bars: Sequence[Bar], label: str) -> Markup:
+    """Bars of equal length, one below the other, each cut into its shares; a legend of the parts below."""
+    left, right, step = _LEFT + 60, 190, 24
+    inner = _WIDTH - left - right
+    names = [name for name in dict.fromkeys(name for bar in bars for name in bar.shares)]
+    colours = dict(zip(names, _SHARES, strict=False))
+    body = []
+    for k, bar in enumerate(bars):
+        top, x = _TOP + k * step, float(left)
+        body.append(_text(left - 8, top + 13, bar.name, "end", INK))
+        for name, share in bar.shares.items():
+            width = share * inner
+            if width >= 0.5:
+                at = f'x="{x:.1f}" y="{top}" width="{width:.1f}"'
+                body.append(f'<rect {at} height="17" fill="{colours[name]}"/>')
+            x += width
+        body.append(_text(_WIDTH - right + 8, top + 13, bar.text, "start", INK))
+    below, each = _TOP + len(bars) * step + 8, (_WIDTH - 20) / max(len(names), 1)
+    for k, name in enumerate(names):
+        body.append(
+            f'<rect x="{10 + k * each:.1f}" y="{below}" width="12" height="12" fill="{colours[name]}"/>'
+        )
+        body.append(_text(28 + k * each, below + 11, name, "start", INK))
+    return whole(below + 22, body, label)
 
 
 def some_ticks(names: Sequence[str], most: int = 8) -> list[tuple[int, str]]:

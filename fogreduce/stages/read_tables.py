@@ -9,6 +9,7 @@ from pathlib import Path
 from fogreduce.errors import BadInput
 from fogreduce.physics.raw_quantity import RawUnit
 from fogreduce.stages import encoder, look
+from fogreduce.stages.budget import BUDGET_COLUMNS
 from fogreduce.stages.drift import DRIFT_COLUMNS, RULE_COLUMNS
 from fogreduce.stages.rates import RATES_COLUMNS
 from fogreduce.stages.tables import RATE_FIT_COLUMNS, gyro_fit_columns
@@ -24,11 +25,12 @@ COLUMNS: Mapping[str, Callable[[RawUnit], Sequence[str]]] = {
     "drift": lambda _: DRIFT_COLUMNS,
     "rates": lambda _: RATES_COLUMNS,
     "drift_by_records": lambda _: RULE_COLUMNS,
+    "budget": lambda _: BUDGET_COLUMNS,
 }
 #: Tables that have a row of every run.
 _NEVER_EMPTY = ("quality", "gyro_fit")
 #: Tables that results of earlier versions do not have.
-_MAY_BE_ABSENT = ("rates", "warnings", "drift_by_records")
+_MAY_BE_ABSENT = ("rates", "warnings", "drift_by_records", "budget")
 #: Columns that hold a number in every row.
 _NUMBERS = ("duration_s", "nominal_deg")
 

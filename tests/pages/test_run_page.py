@@ -5,6 +5,7 @@ import json
 import math
 import shutil
 from pathlib import Path
+from xml.etree import ElementTree
 
 import html_checks
 import pytest
@@ -13,6 +14,7 @@ from pages_lab import RECORD, run_yaml, succeed
 from fogreduce.cli.main import main
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.pages import run_page as module
+from fogreduce.pages.budget_bars import budget_bars
 from fogreduce.pages.overview import kept_overview, overview
 
 
@@ -63,6 +65,28 @@ def test_its_drift_is_that_of_the_table(lab) -> None:
     for axis in "xyz":
         assert drift[axis]["value"] == float(rows[axis, "all"]["drift_deg_h"])
         assert drift[axis]["error"] == float(rows[axis, "all"]["drift_err_coloured_deg_h"])
+
+
+def test_the_bars_are_the_shares_of_the_budget(lab) -> None:
+    """Widths of the bars over the whole width are u_part^2 / u_combined^2 of budget.csv."""
+    folder = lab.run("r1")
+    with (folder / "tables" / "budget.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    drawn = ElementTree.fromstring(str(budget_bars(rows)))
+    names = [text.text for text in drawn.iter("{http://www.w3.org/2000/svg}text")]
+    assert [name for name in names if name.startswith(("drift", "mean"))] == [
+        f"{quantity} {axis}" for quantity in ("drift", "mean rate") for axis in "xyz"
+    ]
+    row = next(
+        row for row in rows if (row["quantity"], row["channel"], row["segment"]) == ("drift", "x", "all")
+    )
+    share = (float(row["u_noise"]) / float(row["u_combined"])) ** 2
+    first = next(drawn.iter("{http://www.w3.org/2000/svg}rect"))
+    inner = 960 - (128 + 60) - 190
+    assert float(first.get("width")) == pytest.approx(share * inner, abs=0.06)
+    assert budget_bars([]) is None
+    page = (folder / "index.html").read_text()
+    assert "What the uncertainty of each value comes from" in page
 
 
 def test_offset_is_what_the_mean_rate_lies_beside_the_command(lab) -> None:

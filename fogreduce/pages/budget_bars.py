@@ -1,0 +1,47 @@
+"""What each uncertainty of a run comes from, as bars for its page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from markupsafe import Markup
+
+from fogreduce.pages import svg
+from fogreduce.pages.numbers import number
+from fogreduce.pages.overview import real
+from fogreduce.stages.budget import PARTS
+from fogreduce.stages.read_tables import Row
+
+#: Quantity -> in words. Those of the whole run, or of its only segment.
+_SHOWN = {"drift": "drift", "mean_rate": "mean rate"}
+
+
+def budget_bars(rows: Sequence[Row]) -> Markup | None:
+    """Bars of the parts of each combined variance, and the combined standard uncertainty at their ends.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        Of tables/budget.csv.
+
+    Returns
+    -------
+    Markup or None
+        None where no quantity that is shown has an uncertainty.
+    """
+    segments = {row["segment"] for row in rows}
+    of = "all" if "all" in segments else "1"
+    bars, said = [], []
+    for quantity, words in _SHOWN.items():
+        for row in rows:
+            combined = real(row["u_combined"])
+            if (row["quantity"], row["segment"]) != (quantity, of) or not combined:
+                continue
+            parts = {part.replace("_", " "): real(row[f"u_{part}"]) or 0.0 for part in PARTS}
+            shares = {part: (size / combined) ** 2 for part, size in parts.items()}
+            bars.append(svg.Bar(f"{words} {row['channel']}", f"{number(combined, 2)} {row['unit']}", shares))
+            largest = max(shares, key=lambda part: shares[part])
+            said.append(f"{bars[-1].name} {bars[-1].text}, {100 * shares[largest]:.0f} % {largest}")
+    if not bars:
+        return None
+    return svg.shares(bars, f"Shares of the combined variances: {'; '.join(said)}")
