@@ -98,20 +98,21 @@ class DatasetWriter:
         file = self._file
         for name, value in self._attributes.items():
             file.attrs[name] = value
+        datasets = {}
         for variable in self._variables.values():
             shape = tuple(self._sizes[dim] for dim in variable.dims)
-            dataset = self._create(variable, shape)
+            dataset = datasets[variable.name] = self._create(variable, shape)
             for name, value in variable.attributes.items():
                 dataset.attrs[name] = value
         for dim, labels in self._coordinates.items():
-            file.create_dataset(dim, data=list(labels), dtype=h5py.string_dtype())
+            datasets[dim] = file.create_dataset(dim, data=list(labels), dtype=h5py.string_dtype())
         for number, dim in enumerate(self._sizes):
-            file[dim].make_scale(dim)
-            file[dim].attrs["_Netcdf4Dimid"] = np.int32(number)
+            datasets[dim].make_scale(dim)
+            datasets[dim].attrs["_Netcdf4Dimid"] = np.int32(number)
         for variable in self._variables.values():
             for position, dim in enumerate(variable.dims):
                 if variable.name != dim:
-                    file[variable.name].dims[position].attach_scale(file[dim])
+                    datasets[variable.name].dims[position].attach_scale(datasets[dim])
 
     def _create(self, variable: Variable, shape: tuple[int, ...]) -> h5py.Dataset:
         options: dict[str, Any] = {"shape": shape, "dtype": variable.dtype, "track_times": False}

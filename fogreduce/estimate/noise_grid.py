@@ -18,10 +18,10 @@ from fogreduce.estimate.coloured import unit_forms
 
 Array = NDArray[np.float64]
 
-_MODES = 40  # lowest modes, whose covariance is exact
+_MODES = 24  # lowest modes, whose covariance is exact
 _BANDS = 12  # bands of the higher modes
 _WHOLE = 0.5  # a combination of modes of which the projection leaves this part or more is kept
-_STEP_FLICKER, _STEP_WALK = 0.6, 0.3  # of the grids, in the logarithm of the variance
+_STEP_FLICKER, _STEP_WALK = 0.7, 0.35  # of the grids, in the logarithm of the variance
 _LEAST = 0.01  # smallest flicker and walk: what they add over the whole span, in parts of the white noise
 _FEWEST = 4.0  # independent residuals, from which on anything is said
 _MOST = 10.0  # largest: what they add from bin to bin

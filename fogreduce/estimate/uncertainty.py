@@ -141,27 +141,26 @@ def gyro_departures(facts: RunFacts, stated: StatedErrors, time_s: Array) -> Arr
     n = facts.n_gyros
     motion = axis_rates(facts, time_s)
     readings = gyro_rates_from_axis_rates(motion, facts.axes)
-    one = np.ones_like(time_s)
+    found = np.zeros((5 * n + 3, n, time_s.size))
     record = stated.record
-    alone = np.zeros((n, 5, n, time_s.size))
     for i in range(n):
+        of_gyro = found[5 * i : 5 * i + 5, i]
         directions = across(facts.axes[i]) if record is None else record.directions[i]
-        alone[i, :, i] = [readings[i], one, *(direction @ motion for direction in directions), one]
-        alone[i, 4] *= stated.turn_on_bias_deg_h[i] / SECONDS_PER_HOUR
+        of_gyro[0], of_gyro[1] = readings[i], 1.0
+        of_gyro[2], of_gyro[3] = (direction @ motion for direction in directions)
+        of_gyro[4] = stated.turn_on_bias_deg_h[i] / SECONDS_PER_HOUR
         if record is None:
-            bias = stated.bias[i] / facts.scale_factor[i]
-            sizes = np.array([stated.scale_factor_rel[i], bias, stated.axis_rad[i], stated.axis_rad[i]])
-            alone[i, :4] *= sizes[:, None, None]
+            bias, axis = stated.bias[i] / facts.scale_factor[i], stated.axis_rad[i]
+            of_gyro[:4] *= np.array([stated.scale_factor_rel[i], bias, axis, axis])[:, None]
+        else:
+            of_gyro[1] /= SECONDS_PER_HOUR
     if record is not None:
-        alone[:, 1] /= SECONDS_PER_HOUR
-        each = alone[:, :4].reshape(4 * n, -1)
-        alone[:, :4] = (record.root.T @ each).reshape(n, 4, n, -1)
-    found = list(alone.reshape(5 * n, n, -1))
+        each = found[: 5 * n].reshape(n, 5, -1)
+        each[:, :4] = (record.root.T @ each[:, :4].reshape(4 * n, -1)).reshape(n, 4, -1)
     # The true motion differs; gyros and reduction are nominal.
-    found += [
-        gyro_rates_from_axis_rates(change, facts.axes) for change in motion_departures(facts, stated, time_s)
-    ]
-    return np.array(found)
+    for row, change in zip(found[5 * n :], motion_departures(facts, stated, time_s), strict=True):
+        row[:] = gyro_rates_from_axis_rates(change, facts.axes)
+    return found
 
 
 def source_groups(n_gyros: int) -> list[str]:

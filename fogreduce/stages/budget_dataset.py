@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 #: With more segments the dataset has the whole run alone: a correlation of all of them would be too large.
 _MOST_SEGMENTS = 20
+#: A part of this share of the combined uncertainty, and less, is left out.
+_NEGLIGIBLE = 1e-6
 #: A correlation this near to 0 or 1 is that.
 _ROUNDING = 1e-9
 
@@ -101,7 +103,7 @@ class _Measurand:
         dims = ("segment", self._dim)
         unit = next(value.unit for value in self._flat if value is not None)
         units = _CF_UNITS.get(unit, unit)
-        parts = PARTS if self._dim == "axis" else PARTS[:1]
+        parts = [part for part in PARTS if self._counts(part)]
         components = [f"u_{part}_{self._name}" for part in parts]
         said: dict[str, object] = {"long_name": _LONG_NAMES[self._quantity], "units": units}
         listed = {"unc_comps": components, "ancillary_variables": " ".join(components)}
@@ -112,6 +114,8 @@ class _Measurand:
             sizes = [np.nan if v is None else v.part(groups, part) for v in self._flat]
             correlation = self._noise() if part == PARTS[0] else self._sources(part)
             form, matrix = _form_of(correlation), f"err_corr_{part}_{self._name}"
+            alike = (name for name in values if "err_corr" in name and _same(values[name], correlation))
+            matrix = next(alike, matrix)
             attributes = {
                 "long_name": f"standard uncertainty of {said['long_name']} by {_OF_PARTS[part]}",
                 "units": units,
@@ -123,11 +127,18 @@ class _Measurand:
             }
             variables.append(Variable(component, dims, "<f8", attributes))
             values[component] = self._array(sizes)
-            if form == "err_corr_matrix":
+            if form == "err_corr_matrix" and matrix not in values:
                 squared = f"{self._dim}_value", f"{self._dim}_value_2"
                 about = {"long_name": f"correlation of the errors of {component}", "units": "1"}
                 variables.append(Variable(matrix, squared, "<f8", about))
                 values[matrix] = correlation
+
+    def _counts(self, part: str) -> bool:
+        """Whether a part is more than rounding in any of the values."""
+        known = [value for value in self._flat if value is not None]
+        return part == PARTS[0] or any(
+            value.part(self._budget.groups, part) > _NEGLIGIBLE * value.combined for value in known
+        )
 
     def _array(self, flat: Sequence[float]) -> Array:
         return np.array(flat, np.float64).reshape(len(self._segments), len(self._channels))
@@ -168,6 +179,10 @@ def _known(correlation: Array) -> Array:
     known = np.where(np.isnan(correlation), 0.0, correlation)
     np.fill_diagonal(known, 1.0)
     return known
+
+
+def _same(one: Array, other: Array) -> bool:
+    return one.shape == other.shape and float(np.abs(one - other).max()) < _ROUNDING
 
 
 def _form_of(correlation: Array) -> str:
