@@ -54,11 +54,13 @@ class RecordCovariance:
     directions: Array
 
     @classmethod
-    def of_plain(cls, stated: Mapping[str, Any]) -> RecordCovariance:
-        """From the record's block `covariance`."""
-        names = list(stated["parameters"])
-        n = len(names) // len(_RECORD_PARAMETERS)
-        order = [names.index(f"gyro{i + 1}.{name}") for i in range(n) for name in _RECORD_PARAMETERS]
+    def of_plain(cls, stated: Mapping[str, Any], n_gyros: int) -> RecordCovariance | None:
+        """From the record's block `covariance`; None where that leaves out a parameter or a direction."""
+        names, n = list(stated["parameters"]), n_gyros
+        wanted = [f"gyro{i + 1}.{name}" for i in range(n) for name in _RECORD_PARAMETERS]
+        if set(names) != set(wanted) or np.shape(stated["axis_directions"]) != (2 * n, 3):
+            return None
+        order = [names.index(name) for name in wanted]
         matrix = np.array(stated["matrix"], float)[np.ix_(order, order)]
         size, turn = np.linalg.eigh((matrix + matrix.T) / 2)
         directions = np.array(stated["axis_directions"], float).reshape(n, 2, 3)
@@ -116,7 +118,7 @@ class StatedErrors:
             float(run["azimuth_uncertainty_deg"]),
             float(run["site"]["latitude_uncertainty_deg"]),
             float(run["table"]["rate_uncertainty_ppm"]),
-            None if covariance is None else RecordCovariance.of_plain(covariance),
+            None if covariance is None else RecordCovariance.of_plain(covariance, len(stated["axis_rad"])),
         )
 
 

@@ -12,10 +12,11 @@ from fogreduce.constants import EARTH_RATE_DEG_S
 from fogreduce.effects.selection import select
 from fogreduce.estimate.curve_terms import mean_rate_terms
 from fogreduce.estimate.mean_curve import CurveBasis
-from fogreduce.estimate.uncertainty import StatedErrors, departures, stated_covariance
+from fogreduce.estimate.uncertainty import RecordCovariance, StatedErrors, departures, stated_covariance
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.folder import load_calibration, load_run
 from fogreduce.physics.earth_rate import remove_earth_rate
+from fogreduce.physics.frames import across
 from fogreduce.simulate.draw import draw_uncertainties
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.plan import facts_of
@@ -109,3 +110,35 @@ def test_against_draws_through_the_forward_physics(repository, run_id: str) -> N
         means.append((rates - commanded) @ to_theta.T @ terms)
     stated = mean_errors(facts, StatedErrors.of(run, record))
     np.testing.assert_allclose(np.std(means, axis=0) / stated, 1.0, atol=4 / np.sqrt(800))
+
+
+def test_a_records_covariance_stands_in_for_its_standard_deviations(repository) -> None:
+    """Diagonal, it gives the same covariance; with bias and scale factor of each gyro in full correlation, at
+    a standstill, where both are offsets, the gyros' parts add up instead of in squares."""
+    run = load_run(repository / "campaigns/three-axes/runs/8-still", need_capture=False)
+    record, _ = load_calibration(repository / "calibrations", run.calibration)
+    facts, plain = facts_of(run, record), StatedErrors.of(run, record)
+    plain = replace(plain, turn_on_bias_deg_h=np.zeros(4), azimuth_deg=0.0, latitude_deg=0.0)
+    sizes = np.array(
+        [plain.scale_factor_rel, plain.bias / facts.scale_factor * 3600, plain.axis_rad, plain.axis_rad]
+    ).T.ravel()
+    names = ("scale_factor_rel", "bias_deg_h", "axis1_rad", "axis2_rad")
+    stated = {
+        "parameters": [f"gyro{i + 1}.{name}" for i in range(4) for name in names],
+        "axis_directions": [d.tolist() for axis in facts.axes for d in across(axis)],
+        "matrix": np.diag(sizes**2).tolist(),
+    }
+    diagonal = replace(plain, record=RecordCovariance.of_plain(stated, 4))
+    np.testing.assert_allclose(
+        stated_covariance(facts, diagonal, 1), stated_covariance(facts, plain, 1), rtol=1e-9, atol=1e-30
+    )
+    matrix = np.diag(sizes**2)
+    for i in range(4):
+        matrix[4 * i, 4 * i + 1] = matrix[4 * i + 1, 4 * i] = sizes[4 * i] * sizes[4 * i + 1]
+    joined = replace(plain, record=RecordCovariance.of_plain(stated | {"matrix": matrix.tolist()}, 4))
+    moved = departures(facts, plain, np.zeros(1))[:20, :, 0].reshape(4, 5, 3)
+    both = moved[:, 0] + moved[:, 1]
+    by_hand = (both**2).sum(axis=0) + (moved[:, 2:4] ** 2).sum(axis=(0, 1))
+    np.testing.assert_allclose(stated_covariance(facts, joined, 1)[:, 0, 0], by_hand, rtol=1e-6)
+    partly = {"parameters": ["gyro1.bias_deg_h"], "axis_directions": [], "matrix": [[1.0]]}
+    assert RecordCovariance.of_plain(partly, 4) is None
