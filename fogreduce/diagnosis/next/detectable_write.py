@@ -129,10 +129,13 @@ def _does(name: str) -> str:
 def _page(found: Mapping[str, Any]) -> str:
     percent = f"{100.0 * found['probability']:g} %"
     lines = [
-        [escape(name), _does(name), escape(f"{size} {unit}".strip()), escape(where)]
+        [escape(EFFECTS[name].title), escape(f"{size} {unit}".strip()), escape(where), _does(name)]
         for name, size, unit, where in _summary(found["effects"])
     ]
-    lines += [[escape(name), _does(name), "none", escape(why)] for name, why in found["not_shown"].items()]
+    lines += [
+        [escape(EFFECTS[name].title), "none", escape(why), _does(name)]
+        for name, why in found["not_shown"].items()
+    ]
     groups = "".join(f"<li>{escape('; '.join(group))}</li>" for group in found["groups"])
     return document(
         f"{found['campaign']}: what these runs would show",
@@ -142,7 +145,7 @@ def _page(found: Mapping[str, Any]) -> str:
             f"one, would be seen as a gap in {percent} of all cases, beside the noise and the uncertainties "
             "that the calibration record states. Two numbers: the best and the worst of the places.</p>",
             "<h2>How small</h2>",
-            table(("effect", "what it does", "smallest amplitude seen", "where"), lines),
+            table(("effect", "smallest amplitude seen", "where", "what it does"), lines),
             "<h2>What could not be told apart</h2>",
             f"<p>{escape(_not_separated(found))}</p>" + (f"<ul>{groups}</ul>" if groups else ""),
             '<p class="quiet">detectable.csv beside this page has every place by itself.</p>',

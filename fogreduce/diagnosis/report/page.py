@@ -211,9 +211,9 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, st
     rows = [
         [
             escape(titled(c)),
-            f'{escape(_does(c))}<br><span class="quiet">{escape(_formula(c))}</span>',
             percent(c["probability"]),
             "<br>".join(escape(size) for size in sizes(c, d["raw_unit"], d["part"])),
+            f'{escape(_does(c))}<br><span class="quiet">{escape(_formula(c))}</span>',
         ]
         for c in d["causes"]
     ]
@@ -222,7 +222,7 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, st
     )
     if any(is_group(c) for c in d["causes"]):
         text += " Of a group that these runs cannot tell apart, its most probable member."
-    text += "</p>" + table(("cause", "what it does", "probability", "size"), rows)
+    text += "</p>" + table(("cause", "probability", "size", "what it does"), rows)
     text += '<p class="quiet">M_i: what gyro i reads; t: time since the run began.</p>'
     return text + both("causes.svg", drawn, slim)
 
