@@ -91,6 +91,10 @@ def page() -> str:
 def _entry(effect: Effect) -> Iterator[str]:
     yield f"### `{effect.name}`"
     yield ""
+    if effect.words:
+        who = {"gyro": "A gyro", "table": "The table", "clock": "The clock"}[effect.channels]
+        yield f"{'Gyros' if effect.smallest_group > 1 else who} {effect.words}."
+        yield ""
     yield f"`{effect.equation}`"
     yield ""
     needs = " Needs a temperature log." if effect.needs_temperature else ""

@@ -120,6 +120,7 @@ def _does(name: str) -> str:
     """What an effect does, in words and as a formula."""
     effect = EFFECTS[name]
     who = {"gyro": "a gyro", "table": "the table", "clock": "the clock"}[effect.channels]
+    who = "gyros" if effect.smallest_group > 1 else who
     formula = escape(effect.equation.replace("+-", "\N{PLUS-MINUS SIGN}"))
     if not effect.words:
         return formula

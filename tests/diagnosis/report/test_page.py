@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
+from fogreduce.diagnosis.report.page import _links, _runs
 from fogreduce.diagnosis.report.words import announced, headline, measured, percent, sizes
 from fogreduce.pages import svg
 
@@ -80,3 +81,10 @@ def test_drawings_are_well_formed_and_lines_end_with_runs() -> None:
     cells = svg.grid(["gyro1", "gyro2"], ["a"], np.array([[9.0], [0.0]]), [["mean"], [""]], "map")
     words = [node.text for node in ET.fromstring(cells).iter() if node.tag.endswith("text")]
     assert words == ["a", "gyro1", "9 sigma", "mean", "gyro2"]
+
+
+def test_in_the_results_the_page_links_back_to_campaign_and_runs() -> None:
+    found = {"campaign": "c", "runs": ["r<1>", "r2"]}
+    assert 'href="../index.html"' in _links(found)
+    assert '<a href="../r2/index.html">r2</a>' in _runs(found, True)
+    assert _runs(found, False) == "Runs: r&lt;1&gt;, r2."
