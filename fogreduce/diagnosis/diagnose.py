@@ -163,8 +163,11 @@ def _judged(search: Search) -> Verdict:
     if gross or few.word not in ("partly_explained", "unexplained"):
         return few
     many = verdict_of_sets(search)
+    # what the full rate shows must not take the places of what block means show
+    fast = any(cause.finding is not None for cause in many.state.causes)
+    more = fast and many.word == few.word and len(many.named) > len(few.named)
     better = many.word == "explained" or (many.word == "partly_explained" and few.word == "unexplained")
-    return many if better else few
+    return many if better or more else few
 
 
 def _faint(verdict: Verdict, data: Data) -> Place:

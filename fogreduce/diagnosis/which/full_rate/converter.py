@@ -143,13 +143,22 @@ def codes(volts: Array, departure: Array, second: int, slow: Array) -> Codes | N
         return None
     count = np.bincount(cell).astype(np.float64)
     some = np.flatnonzero(count)
-    if some.size > _MOST_BINS:
+    if some.size > _MOST_BINS or _in_steps(count):
         return None
     middle = np.bincount(cell, x)[some] / count[some]
     noise, slowly = (np.bincount(cell, one)[some].astype(np.float64) for one in (swept, e))
     return Codes(
         middle, count[some].astype(np.float64), noise, float(np.std(swept)), slowly, _correlation(fast)
     )
+
+
+def _in_steps(count: Array) -> bool:
+    """Whether most samples lie in cells without neighbours: steps far wider than the converter's make these,
+    as a ring laser's pulses do, and what they do within the noise is no error of its codes.
+    """
+    beside = np.pad(count, 1)
+    lonely = (beside[:-2] == 0.0) & (beside[2:] == 0.0)
+    return bool(count[lonely].sum() > 0.5 * count.sum())
 
 
 def _correlation(fast: Array) -> Array:

@@ -37,3 +37,12 @@ def test_drift_is_no_error_of_the_converter(seconds: int, drift: float) -> None:
 @pytest.mark.parametrize(("seconds", "error"), [(300, 6e-6), (3000, 2e-6)])
 def test_an_error_shows_beside_drift(seconds: int, error: float) -> None:
     assert evidence(seconds, 6e-6, error) > 20.0
+
+
+def test_counts_in_wide_steps_say_nothing_of_codes() -> None:
+    """Pulses of a third of the noise, as a ring laser gives them: voltages lie on a comb of their own."""
+    rng = np.random.default_rng(11)
+    noise = rng.standard_normal(20_000)
+    assert codes(noise, noise, 100, np.ones((200, 1))) is not None
+    pulses = np.round(noise * 3.0) / 3.0
+    assert codes(pulses, pulses, 100, np.ones((200, 1))) is None
