@@ -47,9 +47,20 @@ WINDOW = np.log(1000.0)
 #: Rivals in a group are within this factor of the best of them.
 RIVAL = np.log(150.0)
 
-#: Signal-to-noise ratio of a whole gap beyond which sets of causes that add up are no description of it: a
-#: thousandth of it, as causes change each other's doing, is noise itself. Wiring and wrong senses are such.
+#: Signal-to-noise ratio from which a cause goes into the chain before others are looked for: a hundredth of
+#: it, as causes change each other's doing, would show.
+GROSS = 150.0
+
+#: The same of a whole gap, beyond which it is left to the search for few causes: what few causes leave of it
+#: draws sets of many that add up to it and are not there.
 GROSS_GAP = 1000.0
+
+#: Ln evidence beside the others from which the runs speak for a cause: 20, 'strong' (Kass and Raftery 1995).
+#: What the prior alone makes likely, since other gyros have it, is not judged present.
+SPEAKS = np.log(20.0)
+
+#: Ln odds against something unknown that does just what effects of the catalogue do.
+AS_WELL = np.log(10.0)
 
 #: The closure that the 95 % interval must reach for a gap to be called explained (the diagnosis contract).
 CLOSED = 0.97

@@ -8,8 +8,9 @@ would show.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,9 @@ WANDERS = 0.025
 #: A coil's temperature: how late it follows its sensor [s], and how far its swing is from the sensor's.
 LATE_S, SWING = 8.0, 0.02
 #: Periods of the wandering, in lengths of a run.
-_PERIODS = (0.5, 1.0, 2.0)
+_PERIODS = (0.4, 0.5, 2.0 / 3.0, 1.0, 2.0)
+#: A second, slower decay: how much slower, and its share. A step's rise [s].
+SLOWER, SLOW_SHARE, RISES_S = 3.0, 0.05, (2.0, 4.0)
 
 
 def departures(inputs: Sequence[RunInput], actions: Sequence[Action], which: int, rows: Rows) -> Array:
@@ -52,8 +55,28 @@ def departures(inputs: Sequence[RunInput], actions: Sequence[Action], which: int
         return effect.departures.knee * change[:, None]
     columns = [wandering(inputs, change, rows)]
     if effect.needs_temperature:
-        columns.append(np.column_stack([_late(inputs, actions, here, rows), SWING * change]))
+        for felt in (_later, _at_start):
+            columns += _each_run(_felt(inputs, actions, here, felt), rows)
+        columns.append(SWING * change[:, None])
+    for moved, share in _moved(actions, which):
+        there = rows.stacked([one.scene.block_means(moved) for one in inputs])
+        columns.append(share * (there - rows.stacked(here))[:, None])
     return np.column_stack(columns)
+
+
+def _moved(actions: Sequence[Action], which: int) -> list[tuple[list[Action], float]]:
+    """The chain with the effect's decay slower, or its instant later, and how much of that there may be."""
+    one, out = actions[which], []
+    parameters = dict(one.parameters)
+    changes: list[tuple[dict[str, Any], float]] = []
+    if "tau_s" in parameters:
+        changes.append(({"tau_s": SLOWER * parameters["tau_s"]}, SLOW_SHARE))
+    if "time_s" in parameters:
+        changes += [({"time_s": parameters["time_s"] + rise}, 1.0) for rise in RISES_S]
+    for change, share in changes:
+        moved = replace(one, parameters=parameters | change)
+        out.append(([*actions[:which], moved, *actions[which + 1 :]], share))
+    return out
 
 
 def wandering(inputs: Sequence[RunInput], change: Array, rows: Rows) -> Array:
@@ -70,14 +93,38 @@ def wandering(inputs: Sequence[RunInput], change: Array, rows: Rows) -> Array:
     return np.column_stack(columns) * (WANDERS / np.sqrt(len(_PERIODS)))
 
 
-def _late(inputs: Sequence[RunInput], actions: Sequence[Action], here: Sequence[Array], rows: Rows) -> Array:
-    """What it adds that a coil is late, (rows,); `here`: block means when it is not."""
-    late = []
-    for one in inputs:
+def _each_run(changes: Sequence[Array], rows: Rows) -> list[Array]:
+    """Changes (n, blocks) of each run as a column (rows, 1) of each."""
+    nothing = [np.zeros_like(one) for one in changes]
+    return [rows.stacked([*nothing[:r], one, *nothing[r + 1 :]])[:, None] for r, one in enumerate(changes)]
+
+
+def _felt(
+    inputs: Sequence[RunInput],
+    actions: Sequence[Action],
+    here: Sequence[Array],
+    felt: Callable[[TemperatureLog], TemperatureLog],
+) -> list[Array]:
+    """What another temperature than the log's adds, (n, blocks) of each run; `here`: block means with the
+    log.
+    """
+    out = []
+    for one, before in zip(inputs, here, strict=True):
         log = one.scene.temperature
-        scene = one.scene if log is None else replace(one.scene, temperature=_later(log))
-        late.append(scene.block_means(actions))
-    return rows.stacked([m - p for m, p in zip(late, here, strict=True)])
+        scene = one.scene if log is None else replace(one.scene, temperature=felt(log))
+        out.append(scene.block_means(actions) - before)
+    return out
+
+
+def _at_start(log: TemperatureLog) -> TemperatureLog:
+    """The log with its first reading off, from which all others count: by noise, and by how far a late coil
+    is from its sensor.
+    """
+    sensor, later = log.sensor_degC.copy(), log.sensor_at(log.time_s + LATE_S)
+    inside = log.time_s + LATE_S <= log.time_s[-1]
+    if inside.any():
+        sensor[0] += np.sqrt(np.mean((later - sensor)[inside] ** 2))
+    return replace(log, sensor_degC=sensor)
 
 
 def _later(log: TemperatureLog) -> TemperatureLog:

@@ -5,11 +5,12 @@ What one of them finds is explained there and ends no other's search.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding, joined
-from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, log_prior_of
+from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, State, log_prior_of
 
 _MOST = 60  # a bound on a loop that ends by itself: findings beside those taken
 
@@ -32,15 +33,24 @@ class FullRateCauses:
     unknown: tuple[Finding, ...]
 
 
-def full_rate_causes(search: Search) -> FullRateCauses:
-    """Take what the full rate shows, the most probable first, each beside those before it."""
+def full_rate_causes(search: Search, state: State, given: Sequence[Cause] = ()) -> FullRateCauses:
+    """Take what the full rate shows, the most probable first, each beside those before it and those given.
+
+    Parameters
+    ----------
+    search : Search
+    state : State
+        Its ground has the full rate; its field is what gross causes leave.
+    given : causes
+        Faulty wiring and the like, named already.
+    """
+    fast = state.ground.fast
     causes: list[Cause] = []
     scores: list[float] = []
     unknown: dict[tuple[str, tuple[str, ...]], Finding] = {}
-    nothing = search.state([], search.ground)
-    slow = search.ground.processes.findings(nothing.field, search.allowed)
+    slow = state.ground.processes.findings(state.field, search.allowed)
     for _ in range(_MOST):
-        found = [f for f in search.fast.findings(causes) if (f.domain, f.channels) not in unknown]
+        found = [f for f in fast.findings([*given, *causes]) if (f.domain, f.channels) not in unknown]
         shown = {f.key for f in found if f.process is not None and f.log_b > 0.0}
         found = joined(found, [f for f in slow if f.key in shown])
         taken = {c.key for c in causes}

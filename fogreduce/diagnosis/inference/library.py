@@ -14,7 +14,7 @@ from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
 from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.hierarchy import Kind
 from fogreduce.diagnosis.inference.noise_model import Metric
-from fogreduce.diagnosis.inference.regression import Entry, Option, Regression
+from fogreduce.diagnosis.inference.regression import Entry, Member, Option, Regression
 from fogreduce.diagnosis.inference.sizes import size_parameter, size_scales
 
 Array = NDArray[np.float64]
@@ -77,13 +77,17 @@ class Library:
             variances = (scales[:, None] / np.abs(c.steps[point])[None, :]) ** 2
         self.options.append(Option(entry, c, point, index, log_weight, variances, logs))
 
-    def settled(self, option: Option, columns: Array, steps: Array, shape: Mapping[str, object]) -> int:
-        """Take in an option at parameters as they were fitted; its number.
+    def settled(
+        self, c: Candidate, log_weight: float, columns: Array, steps: Array, shape: Mapping[str, object]
+    ) -> int:
+        """Take in a candidate at parameters as they were fitted; the number of the option that it makes.
 
         Parameters
         ----------
-        option : Option
-            The point of the grid that it was.
+        c : Candidate
+            At the point of its grid that it was.
+        log_weight : float
+            Ln share of its entry's prior that the point has.
         columns : (rows, k) array
             Whitened.
         steps : (k,) array
@@ -91,10 +95,14 @@ class Library:
         shape : mapping
             Parameters that no column scales.
         """
-        c = option.candidate
         settled = replace(c, columns=columns[c.rows][:, None, :], grid=(shape,), steps=steps[None, :])
-        self._append(option.entry, settled, 0, option.log_weight)
+        self._append(self._entry[c.key], settled, 0, log_weight)
         return len(self.options) - 1
+
+    def member(self, number: int, sizes: Array) -> Member:
+        """An option with the scale of its size that is nearest to amplitudes (k,)."""
+        off = np.abs(np.log(self.options[number].variances[:, 0]) - 2.0 * np.log(np.abs(sizes[0]) + 1e-300))
+        return Member(number, int(np.argmin(off)))
 
     def regression(self, metric: Metric, y: Array) -> Regression:
         """The options so far, held against a whitened residual."""

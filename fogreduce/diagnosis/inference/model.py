@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
-from fogreduce.diagnosis.inference.departures import wandering
 from fogreduce.diagnosis.inference.noise_model import Rows, Whitener
 from fogreduce.diagnosis.observe.capture import RunInput
-from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
 
@@ -33,14 +31,11 @@ class Model:
         What they change, whitened.
     slopes : (rows, p) array
         Its derivatives by every free number of the slow causes, whitened.
-    shapes : (rows, d) array
-        How it may wander about the catalogue's shapes, whitened, one standard deviation each.
     """
 
     causes: tuple[Cause, ...]
     change: Array
     slopes: Array
-    shapes: Array
 
 
 def simulated(inputs: Sequence[RunInput], causes: Sequence[Cause], rows: Rows) -> Array:
@@ -78,23 +73,17 @@ def modelled(
     rows = whiten.rows
     at = simulated(inputs, causes, rows)
     slopes: list[Array] = []
-    shapes = [np.zeros((rows.total, 0))]
     for k, cause in enumerate(causes):
         if not cause.slow:
             continue
-        own = np.zeros(rows.total)
         for name in cause.theta:
             step = _steps(cause, name, inputs, whole)
             moved = replace(cause, theta={**cause.theta, name: cause.theta[name] + step})
             other = [*causes[:k], moved, *causes[k + 1 :]]
             slopes.append((simulated(inputs, other, rows) - at) / step)
-            if name not in SHAPES:
-                own += cause.theta[name] * slopes[-1]
-        if EFFECTS[cause.effect].departures.wanders:
-            shapes.append(wandering(inputs, own, rows))
     columns = np.column_stack(slopes) if slopes else np.zeros((rows.total, 0))
     change = whiten((at - nominal)[:, None])[:, 0]
-    return Model(tuple(causes), change, whiten(columns), whiten(np.column_stack(shapes)))
+    return Model(tuple(causes), change, whiten(columns))
 
 
 def modelled_change(

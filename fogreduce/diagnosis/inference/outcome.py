@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.search import LOG_FURTHER, LOG_GAP, Option, Search, State, Step
 
 #: Rivals whose evidence times prior falls short of the best by less than this cannot be excluded.
@@ -135,6 +136,34 @@ def _mean_of_process(step: Step) -> float:
     same = [o for o in step.options if o.fit is not None and o.source.channels == unknown.source.channels]
     means = [o.log_b for o in same if o.key[0] == "bias_offset" or getattr(o.source, "feature", "") == "mean"]
     return max(max(means, default=0.0) - _MEAN_COSTS, 0.0)
+
+
+def in_its_place(search: Search, state: State, k: int, most: int) -> Named:
+    """One cause against all that could stand in its place, in a noise and on a chain without it.
+
+    Parameters
+    ----------
+    search : Search
+    state : State
+    k : int
+        Its number among the state's causes.
+    most : int
+        Members of a group.
+    """
+    key = state.causes[k].key
+    others = [c for c in state.causes if c.key != key]
+    base = [c for c in others if c.process or c.key in state.ground.base]
+    options = search.options(search.state(others, search.ground_of(base), refine=False))
+    total = _log_sum([*(o.score for o in options), -LOG_FURTHER])
+    chances = sorted(((o, float(np.exp(o.score - total))) for o in options if o.known), key=lambda x: -x[1])
+    own = next(((o, p) for o, p in chances if o.key == key), None)
+    if own is None:
+        return Named(k, 0.5, 0.5, ())
+    best = max(chances[0][0].score, own[0].score)
+    rivals = _once([(o, p) for o, p in chances if o.score > best - priors.RIVAL])[:most]
+    if all(o.key[:3] != own[0].key[:3] for o, _ in rivals):
+        rivals = [own, *rivals][:most]
+    return Named(k, own[1], min(sum(p for _, p in rivals), 1.0), tuple(rivals))
 
 
 def _named(search: Search, state: State, k: int, first: list[Option]) -> Named:

@@ -10,10 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import EVERY
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, log_prior_of
+from fogreduce.diagnosis.inference.search import Ground, Search
 from fogreduce.diagnosis.inference.slow import SlowPosterior, slow_posterior
 from fogreduce.effects.table import EFFECTS
 
@@ -26,7 +29,7 @@ _SEVERAL = 2
 
 def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
     """The best sets of causes, with as many random processes in the noise as pay."""
-    here = slow_posterior(search, search.ground_of([c for c in given if c.process]), given)
+    here = slow_posterior(search, _ground(search, given), given)
     tried: set[tuple[object, ...]] = set()
     for _ in range(_MOST):
         best = _most_likely(search, here, tried)
@@ -34,11 +37,16 @@ def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
             break
         tried.add(best.key)
         causes = [*here.given, Cause.of_finding(best)]
-        there = slow_posterior(search, search.ground_of([c for c in causes if c.process]), causes)
-        price = log_prior_of(True, best.share) + LOG_FURTHER - _SIZE
+        there = slow_posterior(search, _ground(search, causes), causes)
+        price = float(np.log(priors.KIND * best.share)) - _SIZE
         if there.log_evidence + price > here.log_evidence:
             here = there
     return here
+
+
+def _ground(search: Search, given: Sequence[Cause]) -> Ground:
+    """The ground with processes in its noise and gross causes in its chain."""
+    return search.ground_of([c for c in given if c.process or c.finding is None])
 
 
 def _most_likely(search: Search, here: SlowPosterior, tried: set[tuple[object, ...]]) -> Finding | None:
@@ -59,7 +67,7 @@ def _most_likely(search: Search, here: SlowPosterior, tried: set[tuple[object, .
     worth = [
         (gain, f)
         for f, gain in found
-        if f.known and f.key not in tried | taken and gain + log_prior_of(True, f.share) + LOG_FURTHER > 0.0
+        if f.known and f.key not in tried | taken and gain + np.log(priors.KIND * f.share) > 0.0
     ]
     return max(worth, key=lambda pair: pair[0])[1] if worth else None
 

@@ -14,9 +14,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.departures import departures
 from fogreduce.diagnosis.inference.evidence import Field, Fit, log_bayes
 from fogreduce.diagnosis.inference.findings import Finding, joined
 from fogreduce.diagnosis.inference.fitted import refined
@@ -44,9 +46,7 @@ _FAMILIES = 12.0
 SHAPE_DOUBT = 0.08
 #: The same where a temperature drives it: a coil lags behind its sensor.
 WARM_DOUBT = 0.15
-_AS_WELL = np.log(10.0)  # ln of odds against something unknown that does just what an effect does
 _IMPOSSIBLE = 50.0  # ln of odds against what cannot be
-_GROSS = 150.0  # signal-to-noise ratio from which a cause goes into the chain before others are looked for
 _BENT = 1.0  # what a cause may change of a spectrum's pieces, in noise of one sample, and leave it as it is
 
 
@@ -231,7 +231,7 @@ class Search:
                 [one.scene.block_means(actions) - one.scene.block_means() for one in data.inputs]
             )
             size = float(np.linalg.norm(whiten(change[:, None])))
-            self._beside[key] = Fast(data.beside(actions), self.allowed) if size > _GROSS else self.fast
+            self._beside[key] = Fast(data.beside(actions), self.allowed) if size > priors.GROSS else self.fast
         return self._beside[key]
 
     def ground_of(self, causes: Sequence[Cause]) -> Ground:
@@ -251,7 +251,9 @@ class Search:
         free = Field.of(g.metric.beside(model.slopes), g.y - model.change)
         data = self.data
         codes = g.whiten(converter_means(data.inputs, causes, data.noise_raw(), g.whiten.rows))
-        shapes = np.column_stack([model.shapes, codes])
+        actions = [replace(c.action(data.run_ids, data.n), ordinal=k) for k, c in enumerate(model.causes)]
+        wander = [departures(data.inputs, actions, k, g.whiten.rows) for k in range(len(actions))]
+        shapes = np.column_stack([g.whiten(np.column_stack(wander)), codes] if wander else [codes])
         return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, shapes, free.gain(shapes))
 
     # ------------------------------------------------------------------------------------ options
@@ -288,17 +290,24 @@ class Search:
             )
         return out
 
+    def fits(self, state: State) -> list[Fit]:
+        """Every effect held against what is left beside a set of causes, those that cannot be left out."""
+        found = self._with_delay(state.ground.candidates.fits(state.field), state)
+        return [fit for fit in found if not _beyond(fit)]
+
     def _with_delay(self, fits: Iterable[Fit], state: State) -> list[Fit]:
         """Fits, that of the best gross delay simulated: an edge in another block is no small step."""
         out = list(fits)
         late = [
-            k for k, fit in enumerate(out) if fit.q > _GROSS**2 and DELAYS.keys() & set(fit.candidate.scales)
+            k
+            for k, fit in enumerate(out)
+            if fit.q > priors.GROSS**2 and DELAYS.keys() & set(fit.candidate.scales)
         ]
         if late:
             k = max(late, key=lambda k: out[k].q)
             fit, c = out[k], out[k].candidate
             after = self.state([*state.causes, Cause.of_fit(fit)], state.ground)
-            done = self._gained(state, after)
+            done = self.gained(state, after)
             if done > fit.q:
                 found = np.array([after.causes[-1].theta[name] for name in c.scales])
                 log_b = fit.log_b + 0.5 * (done - fit.q)
@@ -376,7 +385,7 @@ class Search:
             taken = self.state(causes, state.ground)
             if best.fit is not None:
                 # an effect, simulated, may not do what its column promised: it was no small step
-                done = self._gained(state, taken)
+                done = self.gained(state, taken)
                 if done < 0.5 * best.q:
                     hollow.add(best.key)
                     continue
@@ -391,14 +400,14 @@ class Search:
             path.append(Step(state, options, score))
         return path
 
-    def _gained(self, before: State, after: State) -> float:
+    def gained(self, before: State, after: State) -> float:
         """Twice what a cause, simulated, adds to ln likelihood."""
         metric, y = before.ground.metric, before.ground.y
         return Field.of(metric, y - before.model.change).chi2 - Field.of(metric, y - after.model.change).chi2
 
     def _settled(self, taken: State, best: Option) -> State:
         """The causes on a ground with a gross one in the chain, or a random process in the noise."""
-        gross = best.fit is not None and best.q > _GROSS**2
+        gross = best.fit is not None and best.q > priors.GROSS**2
         if not (gross or best.process):
             return taken
         return self.state(taken.causes, self._ground(taken.causes))
@@ -450,7 +459,7 @@ def _not_for_being_simpler(options: list[Option]) -> list[Option]:
             for rival in named.get(o.source.channels, ()):
                 assert rival.fit is not None
                 if rival.fit.candidate.columns.shape[2] >= numbers:
-                    most = rival.raw + 0.5 * max(o.q - rival.q, 0.0) - _AS_WELL
+                    most = rival.raw + 0.5 * max(o.q - rival.q, 0.0) - priors.AS_WELL
                     less = max(o.raw - most, 0.0)
                     o = replace(o, log_b=o.log_b - less, raw=o.raw - less)
         out.append(o)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
 from fogreduce.diagnosis.inference.evidence import Field, Fit
+from fogreduce.diagnosis.inference.gross import gross
 from fogreduce.diagnosis.inference.library import Library, at_point
 from fogreduce.diagnosis.inference.model import modelled_change
 from fogreduce.diagnosis.inference.noise_model import Metric
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 
 #: Of linearising; of taking in points of long grids. Each ends by itself, mostly in its second round.
 _ROUNDS = 4
+#: Of a parameter's unit: as good as nothing.
+_NONE = 1e-9
 #: Half a cell of the grids of time constants and widths, relative.
 _CELL = 0.25
 
@@ -86,14 +89,11 @@ def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) 
     ground : Ground
         Noise, stated uncertainties and candidates.
     given : causes
-        In every set: what the full rate has named.
+        In every set: what the full rate has named, and processes.
     """
-    state = search.state(given, ground, refine=False)
-    taken = {c.key for c in given}
-    candidates = [c for c in ground.candidates if c.key not in taken]
-    about = _About(
-        ground, Library(candidates, ground.whiten.rows.total), state.field.metric, state.field.y, ()
-    )
+    first = gross(search, search.state(given, ground, refine=False))
+    given, state = [*given, *first.settled], first.state
+    about = _about(search, state, first.others)
     sets, best = _searched(about)
     for _ in range(_ROUNDS):
         entries = sets.entries(best.members)
@@ -108,6 +108,28 @@ def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) 
     if sets.entries(best.members) != {*_entries_of(sets, state.causes)}:
         state = search.state([*given, *(cause_of(sets, best, m) for m in best.members)], about.ground)
     return SlowPosterior(sets, best, state, tuple(given), about.metric, about.y, about.library.columns)
+
+
+def _about(search: Search, state: State, first: Sequence[Fit]) -> _About:
+    """The candidates of a ground; gross causes in its chain stand among them as they were fitted."""
+    ground = state.ground
+    base = {fit.candidate.key for fit in first}
+    taken = {c.key for c in state.causes} - base
+    candidates = [c for c in ground.candidates if c.key not in taken | base]
+    library = Library([*candidates, *(fit.candidate for fit in first)], ground.whiten.rows.total)
+    if not first:
+        return _About(ground, library, state.field.metric, state.field.y, ())
+    y, members = ground.y - state.model.change, []
+    for fit in first:
+        cause = next(c for c in state.causes if c.key == fit.candidate.key)
+        block, steps = _block(search, state, cause, fit.candidate.scales)
+        sizes = _sizes(cause, fit.candidate.scales) / steps
+        y = y + block @ sizes
+        shape = _shape(cause, fit.candidate.scales)
+        settled, share = at_point(fit.candidate, fit.best), -float(np.log(fit.candidate.columns.shape[1]))
+        number = library.settled(settled, share, block, steps, shape)
+        members.append(library.member(number, sizes))
+    return _About(ground, library, ground.metric.wider(state.shapes), y, tuple(members))
 
 
 def _entries_of(sets: SetSearch, causes: Sequence[Cause]) -> list[int]:
@@ -151,51 +173,69 @@ def cause_of(sets: SetSearch, here: CauseSet, member: Member) -> Cause:
     return Cause.of_fit(fit_of(sets, here, member))
 
 
-def _linear(
-    search: Search,
-    sets: SetSearch,
-    best: CauseSet,
-    state: State,
-    about: _About,
-) -> _About:
+def _linear(search: Search, sets: SetSearch, best: CauseSet, state: State, about: _About) -> _About:
     """The same search, linear about a set as it was fitted.
 
     Errors of its time constants and instants are marginalised, and so is how its sizes may wander.
     """
     ground, library = about.ground, about.library
-    number = 0
     y = state.ground.y - state.model.change
     free: list[Array] = []
     members: list[Member] = []
-    slow = [c for c in state.causes if c.slow]
-    for cause in slow:
-        names = list(cause.theta)
-        slopes = state.model.slopes[:, number : number + len(names)]
-        number += len(names)
+    for cause in (c for c in state.causes if c.slow):
         member = next((m for m in best.members if _key(sets, m) == cause.key), None)
         if member is None:
             continue
         option = sets.regression.options[member.option]
         scales = option.candidate.scales
-        bent = [k for k, name in enumerate(names) if option.fixed or (name in SHAPES and name not in scales)]
-        free += [slopes[:, k] * _cell(cause, names[k], search) for k in bent]
-        sizes = np.array([cause.theta[name] for name in scales])
-        if not bent and not SHAPES.keys() & set(scales):
-            y = y + library.columns[:, option.columns] @ (sizes / option.candidate.steps[option.point])
-            members.append(member)
-            continue
-        if bent and not option.fixed:
-            block, steps = slopes[:, [names.index(name) for name in scales]], np.ones(len(scales))
+        bent = [n for n in cause.theta if option.fixed or (n in SHAPES and n not in scales)]
+        if bent:
+            size = np.array([_cell(cause, name, search) for name in bent])
+            free.append(_slopes(state, cause, bent) * size)
+        if bent or option.fixed or SHAPES.keys() & set(scales) or cause.key in ground.base:
+            block, steps = _block(search, state, cause, scales)
+            settled = at_point(option.candidate, option.point)
+            shape = _shape(cause, scales)
+            number = library.settled(settled, option.log_weight, block, steps, shape)
+            member = replace(member, option=number)
         else:
-            others = [c for c in slow if c is not cause]
-            without = modelled_change(search.data.inputs, others, ground.whiten, ground.nominal)
-            block, steps = (state.model.change - without)[:, None], sizes if scales else np.ones(1)
-        y = y + block @ (sizes / steps if scales else np.ones(1))
-        members.append(replace(member, option=library.settled(option, block, steps, _shape(cause, scales))))
+            block, steps = library.columns[:, option.columns], option.candidate.steps[option.point]
+        y = y + block @ (_sizes(cause, scales) / steps)
+        members.append(member)
     metric = ground.metric
     if free:
         metric = metric.wider(np.column_stack(free))
     return _About(ground, library, metric.wider(state.shapes), y, tuple(members))
+
+
+def _slopes(state: State, cause: Cause, names: Sequence[str]) -> Array:
+    """Derivatives (rows, k) of block means, whitened, by some of a cause's numbers."""
+    start = 0
+    for one in state.causes:
+        if one is cause:
+            break
+        start += len(one.theta) if one.slow else 0
+    return state.model.slopes[:, [start + list(cause.theta).index(name) for name in names]]
+
+
+def _block(search: Search, state: State, cause: Cause, scales: Sequence[str]) -> tuple[Array, Array]:
+    """Columns (rows, k) of a cause as it was fitted, whitened, and what a coefficient of one means (k,).
+
+    Of what is not linear in its number, or has none: all that the cause changes, simulated; else the
+    derivatives.
+    """
+    linear = not SHAPES.keys() & set(scales) or abs(cause.theta[scales[0]]) < _NONE
+    if scales and linear:
+        return _slopes(state, cause, scales), np.ones(len(scales))
+    ground = state.ground
+    others = [c for c in state.causes if c.slow and c is not cause]
+    without = modelled_change(search.data.inputs, others, ground.whiten, ground.nominal)
+    return (state.model.change - without)[:, None], _sizes(cause, scales)
+
+
+def _sizes(cause: Cause, scales: Sequence[str]) -> Array:
+    """Numbers of a cause that columns scale (k,); one for what has none."""
+    return np.array([cause.theta[name] for name in scales]) if scales else np.ones(1)
 
 
 def _cell(cause: Cause, name: str, search: Search) -> float:

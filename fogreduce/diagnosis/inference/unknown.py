@@ -6,10 +6,11 @@ found, and in the stead of all the causes that sit there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.search import LOG_FURTHER, Option, Search, log_prior_of
@@ -45,7 +46,8 @@ def unknowns(search: Search, posterior: SlowPosterior) -> list[Unknown]:
         gone = {entry for entry, key in keys.items() if key[1] == channels}
         less = posterior.sets.without(posterior.best, gone)
         lost = posterior.best.score - less.score
-        odds = _odds(_families(search, posterior, less, channels)).get(channels, -np.inf)
+        families = _better_fits(_families(search, posterior, less, channels), posterior, less)
+        odds = _odds(families).get(channels, -np.inf)
         out.append(Unknown(channels, _probability(odds - lost), frozenset(keys[entry] for entry in gone)))
     out += [_in_place_of_process(search, posterior, c) for c in posterior.given if c.process]
     return out
@@ -74,6 +76,28 @@ def _families(
         if f.channels == channels and not f.known:
             out.append(Option(None, f, f.log_b, log_prior_of(False, f.share), f.log_b))
     return out
+
+
+def _better_fits(options: list[Option], posterior: SlowPosterior, less: CauseSet) -> list[Option]:
+    """The unknown must fit better than what it stands in the stead of: fewer numbers are no evidence."""
+    named = posterior.best.fit.log_b - less.fit.log_b
+    gain = _chi2(posterior, less) - _chi2(posterior, posterior.best)
+    numbers = len(posterior.best.fit.columns) - len(less.fit.columns)
+    out = []
+    for o in options:
+        if o.fit is not None and o.fit.candidate.columns.shape[2] <= numbers:
+            most = named + 0.5 * max(o.q - gain, 0.0) - priors.AS_WELL
+            o = replace(o, log_b=min(o.log_b, most))
+        out.append(o)
+    return out
+
+
+def _chi2(posterior: SlowPosterior, here: CauseSet) -> float:
+    """What a set leaves, its sizes free."""
+    options = [posterior.sets.regression.options[m.option] for m in here.members]
+    exact = [o.columns[0] for o in options if o.fixed]
+    left = posterior.y - posterior.columns[:, exact].sum(axis=1)
+    return Field.of(posterior.metric.beside(posterior.columns[:, here.fit.columns]), left).chi2
 
 
 def _odds(options: list[Option]) -> dict[tuple[str, ...], float]:

@@ -10,7 +10,8 @@ import numpy as np
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.evidence import Fit
 from fogreduce.diagnosis.inference.full_rate import FullRateCauses, full_rate_causes
-from fogreduce.diagnosis.inference.outcome import Named, Verdict
+from fogreduce.diagnosis.inference.gross import gross
+from fogreduce.diagnosis.inference.outcome import Named, Verdict, in_its_place
 from fogreduce.diagnosis.inference.processes import with_processes
 from fogreduce.diagnosis.inference.regression import additions
 from fogreduce.diagnosis.inference.rivals import Inclusion, inclusions
@@ -23,16 +24,18 @@ _MOST_MANY, _MOST_ONE = 4, 8  # members of a group, of several runs and of one
 
 def verdict_of_sets(search: Search) -> Verdict:
     """Search sets of causes without a most number of them, and judge."""
-    full_rate = full_rate_causes(search)
-    posterior = with_processes(search, full_rate.causes)
+    first = gross(search, search.state([], search.ground))
+    full_rate = full_rate_causes(search, first.state, first.settled)
+    posterior = with_processes(search, [*full_rate.causes, *first.settled])
     left = unknowns(search, posterior)
     state = posterior.state
     named = _named(search, posterior, full_rate, left)
     unknown = max([one.probability for one in left], default=0.0)
     if full_rate.unknown:
         unknown = 1.0
-    if left and any(one.instead for one in left if one.probability >= 0.5):
-        gone = {key for one in left if one.probability >= 0.5 for key in one.instead}
+    gone = {key for one in left if one.probability >= 0.5 for key in one.instead}
+    gone |= _unheard(posterior)
+    if gone:
         kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
         numbers = {k: number for number, k in enumerate(kept)}
         state = search.state([state.causes[k] for k in kept], state.ground)
@@ -43,6 +46,13 @@ def verdict_of_sets(search: Search) -> Verdict:
     gap = max([unknown, *(one.group_probability for one in named)], default=0.0)
     ranked = tuple(sorted(named, key=lambda one: -one.probability))
     return Verdict(word, gap, unknown, state, search.options(state), ranked)
+
+
+def _unheard(posterior: SlowPosterior) -> set[tuple[object, ...]]:
+    """Causes that the prior alone makes likely: the runs do not speak for them."""
+    sets = posterior.sets
+    entries = sets.entries(posterior.best.members)
+    return {sets.regression.entries[e].key for e in entries if posterior.fit(e).log_b < priors.SPEAKS}
 
 
 def _named(
@@ -60,9 +70,11 @@ def _named(
         if cause.key in known:
             out.append(_of_sets(posterior, known[cause.key], index, most))
             continue
-        score = odds.get(cause.key, 10.0)
+        if cause.finding is None or cause.process:
+            out.append(in_its_place(search, posterior.state, index, most))
+            continue
+        score = odds[cause.key]
         chance = float(1.0 / (1.0 + np.exp(-score)))
-        assert cause.finding is not None
         option = Option(None, cause.finding, score, 0.0, score)
         out.append(Named(index, chance, chance, ((option, chance),)))
     return out

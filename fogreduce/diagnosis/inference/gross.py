@@ -1,0 +1,70 @@
+"""Gross causes go into the chain one at a time, before sets are searched.
+
+A swapped column or a wrong sense changes what every other effect does; so the next is looked for on a chain
+that has those before it, with columns, stated uncertainties and full rate of that chain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.evidence import Fit
+from fogreduce.diagnosis.inference.model import DELAYS
+from fogreduce.diagnosis.inference.search import Search, State, log_prior_of
+
+#: Of the whole gap: what a gross cause with an amplitude must explain to go first.
+_ALL_BUT = 0.9
+
+
+@dataclass(frozen=True)
+class Gross:
+    """Gross causes.
+
+    Attributes
+    ----------
+    state : State
+        With them, those given beforehand first; they stand in its ground's chain.
+    settled : tuple of Cause
+        Those that do not add up with others, as faulty wiring and delays: in every set.
+    others : tuple of Fit
+        The rest, from which sets may start.
+    """
+
+    state: State
+    settled: tuple[Cause, ...]
+    others: tuple[Fit, ...]
+
+
+def gross(search: Search, state: State) -> Gross:
+    """Take in gross causes, the most probable first.
+
+    Parameters
+    ----------
+    search : Search
+    state : State
+        Causes that are given.
+    """
+    settled: set[tuple[object, ...]] = set()
+    others: dict[tuple[object, ...], Fit] = {}
+    out = {c.key for c in state.causes}
+    while True:
+        fits = [f for f in search.fits(state) if f.candidate.key not in out]
+        best = max(fits, key=lambda f: f.log_b + log_prior_of(True, f.candidate.share), default=None)
+        if best is None or best.q <= priors.GROSS**2:
+            break
+        adds_up = not (best.candidate.fixed or DELAYS.keys() & set(best.candidate.scales))
+        if adds_up and best.q < _ALL_BUT * (state.field.chi2 - len(state.field.y)):
+            break
+        out.add(best.candidate.key)
+        taken = search.state([*state.causes, Cause.of_fit(best)], state.ground)
+        if search.gained(state, taken) < 0.5 * best.q:
+            continue  # simulated, it does not do what its column promised: it was no small step
+        if adds_up:
+            others[best.candidate.key] = best
+        else:
+            settled.add(best.candidate.key)
+        state = search.state(taken.causes, search.ground_of(taken.causes))
+    given = tuple(c for c in state.causes if c.key in settled)
+    return Gross(state, given, tuple(others.values()))
