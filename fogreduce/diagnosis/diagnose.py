@@ -13,6 +13,7 @@ from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.how_far.by_cause import Share, shares
 from fogreduce.diagnosis.how_far.closure import Closure, Key, measured
 from fogreduce.diagnosis.how_far.remainder import Remainder, borne_out, remaining
+from fogreduce.diagnosis.how_far.shapes import without_imitations
 from fogreduce.diagnosis.how_far.simulated import Source
 from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.outcome import Named, Verdict, judged
@@ -101,7 +102,7 @@ def diagnose(
     told("search")
     nothing = search.ground
     y0 = search.state([], nothing)
-    verdict = _judged(search)
+    verdict = without_imitations(search, _judged(search))
     faults = [*where.gross(y0.field, nothing.candidates), *where.joined(nothing.families)]
     seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
     found = where.places(

@@ -14,7 +14,9 @@ import numpy as np
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.how_far.closure import Closure
+from fogreduce.diagnosis.how_far.shapes import departed
 from fogreduce.diagnosis.how_far.simulated import Simulated, Source
+from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.outcome import Verdict
@@ -37,7 +39,7 @@ class Remainder:
     p_value : float
         Probability that noise and stated uncertainties alone leave a statistic as far out as the farthest.
     shown : tuple of Place
-        Where something stands out.
+        Where something stands out, or where one cause does what a departure of another does.
     further : tuple of Place
         Where it stands out by more than departures of the causes from their shapes could.
     kin : tuple of Resemblance
@@ -72,9 +74,10 @@ def remaining(search: Search, state: State, source: Source | None = None) -> Rem
     findings = ground.fast.findings(state.causes)
     sigma = farthest(exact, ground.families, findings, _unnamed(search, state))
     p = _chance(sigma)
+    named = departed(search, state)
     if p >= priors.REMAINDER:
-        return Remainder(p, (), ())
-    shown = _places(search, state, exact, findings, exact=True)
+        return Remainder(p, tuple(named), ())
+    shown = [*named, *_places(search, state, exact, findings, exact=True)]
     further = _places(search, state, state.field, findings, exact=False)
     if further and state.causes and source is not None:
         simulated = Simulated(search, state, source)
@@ -82,6 +85,7 @@ def remaining(search: Search, state: State, source: Source | None = None) -> Rem
         shown, further = ([p for p in part if p.sigma >= _LEAST] for part in (shown, further))
         p = _chance(max((p.sigma for p in shown), default=0.0))
     kin = resembling(state.field, ground.candidates, findings, further)
+    shown.sort(key=lambda place: -place.sigma)
     return Remainder(p, tuple(shown), tuple(further), tuple(kin))
 
 
@@ -110,8 +114,14 @@ def _places(
         return float(np.hypot(search.doubt_at(state, channels), _implied(state, channels)))
 
     left = [f if exact else _less(f, _implied(state, f.channels)) for f in findings]
-    processes = _unnamed(search, state)
-    return places(field, state.ground.families, left, processes, search.data.run_ids, doubt, _LEAST)
+    processes, run_ids = _unnamed(search, state), search.data.run_ids
+    found = places(field, state.ground.families, left, processes, run_ids, doubt, _LEAST)
+    seats = {c.channels for c in state.causes}
+    if not exact or {p.channels for p in found} & seats:
+        return found
+    # what a gyro's cause leaves looks like a motion of all where few of them are at work
+    own = Bundles([f for f in state.ground.families if f.channels in seats])
+    return [*places(field, own, [], lambda _: [], run_ids, doubt, _LEAST), *found]
 
 
 def _implied(state: State, channels: Sequence[str]) -> float:

@@ -308,9 +308,15 @@ def _tension(d: Mapping[str, Any]) -> str:
 def _remains(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
     left = d["remainder"]
     text = "<h2>What remains</h2>"
-    if not left["significant"]:
+    if not left["significant"] and not left["where"]:
         return text + "<p>Nothing beyond noise and stated uncertainties.</p>"
-    if left["departure_of_shape"]:
+    if not left["significant"]:
+        text += (
+            "<p>Nothing beyond noise and stated uncertainties. But one cause does just what it would do "
+            "that a coil follows its temperature sensor late; perhaps there is one effect of another "
+            "shape:</p>"
+        )
+    elif left["departure_of_shape"]:
         text += (
             "<p>Departures from the shapes that the catalogue gives the causes, no more than its formulae "
             "idealise. They show here:</p>"
