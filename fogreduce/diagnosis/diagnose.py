@@ -100,23 +100,14 @@ def diagnose(
     told("spectra")
     search = Search(data, allowed)
     told("search")
-    nothing = search.ground
-    y0 = search.state([], nothing)
+    # where it lies needs no cause, and comes before them
+    found = _places(search)
     verdict = without_imitations(search, _judged(search))
-    faults = [*where.gross(y0.field, nothing.candidates), *where.joined(nothing.families)]
-    seats = Bundles([*nothing.families, *faults]) if faults else nothing.families
-    found = where.places(
-        y0.field,
-        seats,
-        search.fast.findings([]),
-        lambda field: nothing.processes.findings(field, allowed),
-        data.run_ids,
-    )
     if verdict.word != "no_gap" and not found:
         found = [_faint(verdict, data)]
     closure = None
     left = remaining(
-        search, verdict.state, None if simulated else Source(campaign, calibrations, tuple(only))
+        search, verdict.state, None if simulated else Source(campaign, calibrations, tuple(only), part)
     )
     if verdict.word != "no_gap":
         told("closure")
@@ -154,6 +145,21 @@ def diagnose(
         if not c.unlogged
     ]
     return Diagnosis(document, effects, data, search, verdict, found, closure)
+
+
+def _places(search: Search) -> list[Place]:
+    """Where the gap lies, causes aside."""
+    ground = search.ground
+    field = search.state([], ground).field
+    faults = [*where.gross(field, ground.candidates), *where.joined(ground.families)]
+    seats = Bundles([*ground.families, *faults]) if faults else ground.families
+    return where.places(
+        field,
+        seats,
+        search.fast.findings([]),
+        lambda here: ground.processes.findings(here, search.allowed),
+        search.data.run_ids,
+    )
 
 
 def _judged(search: Search) -> Verdict:

@@ -27,6 +27,7 @@ from fogreduce.diagnosis.observe.data import Data, read_data
 from fogreduce.diagnosis.where.places import Place
 from fogreduce.diagnosis.which.full_rate.fast import Fast
 from fogreduce.errors import BadInput
+from fogreduce.metadata.part import Part
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.simulate.campaign import write_campaign
 from fogreduce.simulate.plan import Options, prepare
@@ -38,11 +39,12 @@ EFFECTS_SCHEMA = "fogreduce/effects/1"
 
 @dataclass(frozen=True)
 class Source:
-    """Where a campaign's metadata lie: its folder, the calibrations, the runs taken (empty: all)."""
+    """Where a campaign's metadata lie: folder, calibrations, the runs taken (empty: all), a data sheet."""
 
     campaign: Path
     calibrations: Path
     only: tuple[str, ...] = ()
+    part: Part | None = None
 
 
 @dataclass(frozen=True)
@@ -118,6 +120,6 @@ def _simulated(source: Source, causes: Sequence[Cause], seed: int) -> Data:
     with tempfile.TemporaryDirectory() as scratch:
         effects, made = Path(scratch) / "effects.yaml", Path(scratch) / source.campaign.resolve().name
         write_text(effects, dump_yaml({"schema": EFFECTS_SCHEMA, "effects": entries}))
-        options = Options(effects_file=effects, seed=seed, only_runs=source.only)
+        options = Options(effects_file=effects, seed=seed, only_runs=source.only, part=source.part)
         write_campaign(prepare(source.campaign, source.calibrations, options), made)
-        return read_data(made, source.calibrations, source.only)
+        return read_data(made, source.calibrations, source.only, part=source.part)

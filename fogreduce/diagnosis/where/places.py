@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
 from fogreduce.diagnosis.inference.evidence import Field
@@ -146,7 +147,14 @@ def _of_full_rate(findings: Iterable[Finding], run_ids: Sequence[str], least: fl
                 p for k, p in enumerate(here) if all(len({*p.channels} & {*o.channels}) < 2 for o in here[:k])
             ]
         kept += here
-    return kept
+    return [p for p in kept if not any(_implies(other, p) for other in kept)]
+
+
+def _implies(strong: Place, weak: Place) -> bool:
+    """Whether what a statistic of the full rate shows may be what a far stronger one leaves there: leakage
+    and codes of a line, a band of samples held.
+    """
+    return bool({*strong.channels} & {*weak.channels}) and weak.q < priors.DEPARTURE**2 * strong.q
 
 
 def _of_families(

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from bench_lab import diagnosed, lab, simulated
 
-from fogreduce.diagnosis.where.places import Place, document
+from fogreduce.diagnosis.inference.bundles import Bundles
+from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.noise_model import Metric
+from fogreduce.diagnosis.where.places import Place, document, places
 
 
 def ramp(gyro: str, size: float) -> dict:
@@ -36,3 +41,26 @@ def test_of_two_gaps_the_lesser_is_still_seen(tmp_path) -> None:
     places = [(p["stage"], p["channels"], p["runs"], p["feature"]) for p in found["where"]]
     assert len(places) == len({str(p) for p in places})
     assert sum(p["share"] for p in found["where"]) <= 1.0
+
+
+def test_what_a_line_leaves_in_other_statistics_is_no_place_of_its_own() -> None:
+    """By hand: codes a thousandth as strong at the line's gyro are the line's; at another gyro they are not,
+    nor is a band half as strong.
+    """
+
+    def finding(domain: str, feature: str, gyro: str, snr2: float) -> Finding:
+        return Finding("unknown", (gyro,), ("*",), snr2 / 2.0, snr2, {}, 1.0, domain, "electronics", feature)
+
+    there = [
+        finding("lines", "line", "gyro1", 1e6),
+        finding("codes", "codes", "gyro1", 1e3),
+        finding("level", "band", "gyro1", 5e5),
+        finding("codes", "codes", "gyro2", 1e3),
+    ]
+    rows = Field.of(Metric.of(np.zeros((4, 0))), np.zeros(4))
+    found = places(rows, Bundles([]), there, lambda _: [], ["r0"])
+    assert {(p.channels[0], p.feature) for p in found} == {
+        ("gyro1", "line"),
+        ("gyro1", "band"),
+        ("gyro2", "codes"),
+    }
