@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
-from fogreduce.diagnosis.inference.departures import departures
+from fogreduce.diagnosis.inference.departures import lateness
 from fogreduce.diagnosis.inference.outcome import Verdict
 from fogreduce.diagnosis.inference.search import Search, State
 from fogreduce.diagnosis.inference.significance import significance
@@ -70,8 +70,7 @@ def departed(search: Search, state: State) -> list[Place]:
     for other in warm:
         actions = [other.action(data.run_ids, data.n)]
         driven = _change(search, actions)
-        # its size wanders, it comes late, it swings by less
-        late = state.ground.whiten(departures(data.inputs, actions, 0, rows)[:, -2:-1])[:, 0]
+        late = state.ground.whiten(lateness(data.inputs, actions, rows)[:, None])[:, 0]
         for one in (c for c in slow if c.channels == other.channels and c is not other):
             change = _change(search, [one.action(data.run_ids, data.n)])
             size = float(np.linalg.norm(change)) * float(np.linalg.norm(late))

@@ -64,6 +64,12 @@ def departures(inputs: Sequence[RunInput], actions: Sequence[Action], which: int
     return np.column_stack(columns)
 
 
+def lateness(inputs: Sequence[RunInput], actions: Sequence[Action], rows: Rows) -> Array:
+    """What it adds that a coil follows its sensor late, (rows,) [deg/h]."""
+    here = [one.scene.block_means(actions) for one in inputs]
+    return rows.stacked(_felt(inputs, actions, here, _later))
+
+
 def _moved(actions: Sequence[Action], which: int) -> list[tuple[list[Action], float]]:
     """The chain with the effect's decay slower, or its instant later, and how much of that there may be."""
     one, out = actions[which], []
