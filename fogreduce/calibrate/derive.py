@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.calibrate.equations import SHAPES, Product, deg_h_per_raw, products
+from fogreduce.calibrate.equations import Product, deg_h_per_raw, products
 from fogreduce.calibrate.noise import GyroNoise, gyro_noise
 from fogreduce.calibrate.parameters import Parameters, parameters_of
 from fogreduce.calibrate.readings import Readings, read_campaign
@@ -114,7 +114,11 @@ def prior_of(one: Readings) -> Prior:
     return Prior(facts.axes, facts.bias * factors, np.array(stated.turn_on_bias_deg_h, float))
 
 
+#: Departures that a derivation looks for by itself.
+_LOOKED_FOR = ("asymmetry", "quadratic", "cubic", "temperature_bias", "temperature_scale_factor")
+
+
 def has_shape(readings: Sequence[Readings]) -> tuple[str, ...]:
     """The departures that the campaign can show: those of temperature need a log."""
     logged = any(one.temperature is not None for one in readings)
-    return tuple(name for name in SHAPES if logged or not name.startswith("temperature"))
+    return tuple(name for name in _LOOKED_FOR if logged or not name.startswith("temperature"))

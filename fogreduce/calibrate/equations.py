@@ -17,11 +17,15 @@ from numpy.typing import NDArray
 from fogreduce.calibrate.noise import GyroNoise, covariance
 from fogreduce.calibrate.readings import Readings
 from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.physics.frames import turn_about_axis, up_in_unit
 
 Array = NDArray[np.float64]
 
 #: Departures from a linear scale factor and a constant bias, per gyro; M is the rate about its axis [deg/s].
-SHAPES = ("asymmetry", "quadratic", "cubic", "temperature_bias", "temperature_scale_factor")
+SHAPES = (
+    *("asymmetry", "quadratic", "cubic", "temperature_bias", "temperature_scale_factor"),
+    *("electronics_bias", "warming_bias", "acceleration_x", "acceleration_y", "acceleration_z"),
+)
 
 #: Columns of a gyro in a run: 1; Omega; its nine departures (source, axis); the shapes; the reading.
 ONE, MOTION, DEPARTURE = 0, slice(1, 4), slice(4, 13)
@@ -72,11 +76,24 @@ def columns(one: Readings, gyro: int, there: NDArray[np.bool_]) -> Array:
     facts = one.facts
     motion = one.motion[:, there]
     rate = facts.axes[gyro] @ motion
-    warmer = np.zeros(rate.size) if one.temperature is None else one.temperature[there]
+    warmer, electronics, warming = (
+        np.zeros(rate.size) if log is None else log[there]
+        for log in (one.temperature, one.electronics, one.warming)
+    )
     reading = one.raw[gyro, there] * deg_h_per_raw(one, gyro)
-    shapes = (np.abs(rate), rate**2, rate**3, warmer, warmer * rate)
+    up = vertical(one)[:, there]
+    shapes = (np.abs(rate), rate**2, rate**3, warmer, warmer * rate, electronics, warming, *up)
     departure = one.departure[:, :, there].reshape(9, -1)
     return np.column_stack((np.ones(rate.size), *motion, *departure, *shapes, reading))
+
+
+def vertical(one: Readings) -> Array:
+    """Local vertical in the unit frame, (3, m): the acceleration that a unit at rest senses [g]."""
+    facts = one.facts
+    constant, cosine, sine = turn_about_axis(facts.table_axis, up_in_unit(facts.unit_from_enu))
+    alpha = facts.profile.angle_at(one.time_s)
+    found: Array = constant[:, None] + np.outer(cosine, np.cos(alpha)) + np.outer(sine, np.sin(alpha))
+    return found
 
 
 def deg_h_per_raw(one: Readings, gyro: int) -> float:

@@ -17,7 +17,9 @@ from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.flags import UNUSABLE_RECORD
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.datasets.run_logs import temperatures_of
+from fogreduce.effects.at import slope_around
 from fogreduce.errors import BadInput
 from fogreduce.estimate.bins import Bins, bins_of
 from fogreduce.estimate.uncertainty import StatedErrors, axis_rates, motion_departures
@@ -35,6 +37,8 @@ MOST_BINS = 512
 _SHORTEST_BIN_S = 1.0
 #: Steps from sample to sample beyond so many of the median one are no noise: of a normal one in 10^11 is.
 _LARGEST_STEP = 10.0
+#: Half the window over which the sensors' rate of temperature is taken [s], as the effects have it.
+WARMING_HALF_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,10 @@ class Readings:
         What azimuth, latitude and table rate, each one standard deviation off, add to `motion` [deg/s].
     temperature : (m,) array or None
         Of the sensors less that at the run's start [degC]; None without a log.
+    electronics : (m,) array or None
+        The same of the electronics.
+    warming : (m,) array or None
+        Rate of the sensors' temperature [degC/min], over the 20 s around.
     """
 
     run: Run
@@ -85,6 +93,8 @@ class Readings:
     motion: Array
     departure: Array
     temperature: Array | None
+    electronics: Array | None
+    warming: Array | None
 
 
 def read_campaign(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> list[Readings]:
@@ -150,7 +160,21 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
         motion=bins.mean[n : n + 3, inside],
         departure=bins.mean[n + 3 :, inside].reshape(3, 3, -1),
         temperature=None if log is None else log.sensor_at(time_s) - log.sensor_at(np.zeros(1)),
+        electronics=_electronics(log, time_s),
+        warming=None if log is None else _warming(log, time_s),
     )
+
+
+def _electronics(log: TemperatureLog | None, time_s: Array) -> Array | None:
+    """The electronics' temperature less that at the run's start [degC]; None where it was not logged."""
+    if log is None or log.electronics_degC is None:
+        return None
+    at: Array = np.interp(np.append(time_s, 0.0), log.time_s, log.electronics_degC)
+    return at[:-1] - at[-1]
+
+
+def _warming(log: TemperatureLog, time_s: Array) -> Array:
+    return 60.0 * slope_around(log.time_s, log.sensor_degC, time_s, half_s=WARMING_HALF_S)
 
 
 def _usable(flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8], rows: int) -> NDArray[np.bool_] | None:

@@ -23,7 +23,14 @@ UNITS = {
     "cubic": ("ppm at 10 deg/s", 100.0 * 1e6 / SECONDS_PER_HOUR),
     "temperature_bias": ("deg/h per degC", 1.0),
     "temperature_scale_factor": ("ppm per degC", 1e6 / SECONDS_PER_HOUR),
+    "electronics_bias": ("deg/h per degC", 1.0),
+    "warming_bias": ("deg/h per degC/min", 1.0),
+    "acceleration_x": ("deg/h per g", 1.0),
+    "acceleration_y": ("deg/h per g", 1.0),
+    "acceleration_z": ("deg/h per g", 1.0),
 }
+#: Fitted together: an acceleration along one axis of the unit is none along another.
+ACCELERATION = ("acceleration_x", "acceleration_y", "acceleration_z")
 #: A shape is stated where the campaign knows it better than this, in its unit.
 _WORST = {
     "asymmetry": 1e4,
@@ -31,6 +38,9 @@ _WORST = {
     "cubic": 1e4,
     "temperature_bias": 1e2,
     "temperature_scale_factor": 1e4,
+    "electronics_bias": 1e2,
+    "warming_bias": 1e3,
+    **dict.fromkeys(ACCELERATION, 1e2),
 }
 
 
@@ -69,17 +79,22 @@ def polynomial(
 
 
 def fitted_shapes(
-    products: Sequence[Product], solution: Solution, prior: Prior, names: Sequence[str]
+    products: Sequence[Product],
+    solution: Solution,
+    prior: Prior,
+    names: Sequence[str],
+    together: bool = False,
 ) -> list[Shape]:
-    """Each shape of every gyro, as far as the campaign determines it."""
+    """Each shape of every gyro, as far as the campaign determines it: one at a time, or all together."""
     layout = solution.layout
     found = []
-    for name in names:
-        unit, factor = UNITS[name]
-        more = solve(products, layout.gyros, layout.runs, prior, (name,), turn_on=solution.turn_on_deg_h)
-        for i in range(layout.gyros):
-            where = more.layout.gyro(i).start + 4
-            std = factor * float(np.sqrt(more.covariance[where, where]))
-            if std <= _WORST[name]:
-                found.append(Shape(name, i, factor * float(more.values[where]), std, unit))
+    for group in [tuple(names)] if together else [(name,) for name in names]:
+        more = solve(products, layout.gyros, layout.runs, prior, group, turn_on=solution.turn_on_deg_h)
+        for k, name in enumerate(group):
+            unit, factor = UNITS[name]
+            for i in range(layout.gyros):
+                where = more.layout.gyro(i).start + 4 + k
+                std = factor * float(np.sqrt(more.covariance[where, where]))
+                if std <= _WORST[name]:
+                    found.append(Shape(name, i, factor * float(more.values[where]), std, unit))
     return found
