@@ -79,7 +79,11 @@ def derive(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> Deri
     BadInput
         With every fault of the runs.
     """
-    readings = read_campaign(campaign, calibrations, only)
+    return derive_from(read_campaign(campaign, calibrations, only))
+
+
+def derive_from(readings: list[Readings]) -> Derivation:
+    """The same from runs that were read already."""
     n = readings[0].facts.n_gyros
     noise = [gyro_noise(readings, i) for i in range(n)]
     small = products(readings, noise)

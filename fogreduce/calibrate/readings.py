@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.flags import UNUSABLE_RECORD
+from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
-from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.datasets.run_logs import temperatures_of
 from fogreduce.effects.at import slope_around
 from fogreduce.errors import BadInput
@@ -116,7 +116,7 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
     if wrong := contradictions(reader.facts, facts, path):
         raise BadInput(*wrong)
     parameters = ReductionConfig()
-    size = max(1, round(max(_SHORTEST_BIN_S, facts.profile.end_s / MOST_BINS) * facts.sample_rate_hz))
+    size = records_in_bin(facts)
     stated = StatedErrors.of(run, record)
     ingest = Ingest(facts, parameters.outliers.threshold_sigma)
     parts = []
@@ -137,7 +137,7 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
         parts.append(bins_of(time_s, values, usable, size))
     bins = Bins.joined(parts)
     n, bin_s = facts.n_gyros, size / facts.sample_rate_hz
-    segment, inside = _inside(facts, bins.time_s, bin_s, parameters.edge_guard_s)
+    segment, inside = whole_bins(facts, bins.time_s, bin_s, parameters.edge_guard_s)
     inside &= (bins.count[n] > size / 2) & (bins.count[:n] > size / 2).any(axis=0)
     if not inside.any():
         expected = "at least one bin of usable records inside a segment of the profile"
@@ -177,6 +177,11 @@ def _warming(log: TemperatureLog, time_s: Array) -> Array:
     return 60.0 * slope_around(log.time_s, log.sensor_degC, time_s, half_s=WARMING_HALF_S)
 
 
+def records_in_bin(facts: RunFacts) -> int:
+    """Records in a bin: a second's at least, and so many that there are not more than `MOST_BINS`."""
+    return max(1, round(max(_SHORTEST_BIN_S, facts.profile.end_s / MOST_BINS) * facts.sample_rate_hz))
+
+
 def _usable(flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8], rows: int) -> NDArray[np.bool_] | None:
     """Which values count: of each gyro, then of the motion."""
     gyros = usable_gyros(flag, gyro_flag)
@@ -203,7 +208,7 @@ def _steps(
     return np.sum(np.where(there, step, 0.0) ** 2, axis=1), np.count_nonzero(there, axis=1)
 
 
-def _inside(
+def whole_bins(
     facts: RunFacts, time_s: Array, bin_s: float, guard_s: float
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Segment of each bin, and whether the whole bin lies in it (the guard left out between segments)."""

@@ -25,6 +25,8 @@ COMMANDS = {
     "derive-calibration": ("derive_calibration", "derive a calibration record from a campaign"),
     "calibrations": ("calibrations", "list, show, compare and validate calibration records"),
     "impact": ("impact", "list every result that used a calibration record"),
+    "report": ("report", "write a unit's test report from a campaign, as page, PDF and document"),
+    "plan": ("plan", "plan a campaign that determines every quantity of a test report"),
     "manifest": ("manifest", "write the manifest of a run (a node of the workflow)"),
     "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
     "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),

@@ -62,8 +62,8 @@ def test_agrees_with_generalised_least_squares_in_full() -> None:
     weight = np.linalg.inv(covariance)
     expected_covariance = np.linalg.inv(design.T @ weight @ design + wide)
     expected = mean + expected_covariance @ design.T @ weight @ (reading - design @ mean)
-    # Products of readings (36 000 deg/h, weight 160) are rounded at 4e-9; times a variance that only the wide
-    # prior holds, up to (180 deg/h per deg/s)^2, that moves a value by some 1e-6, whatever solves the equations.
+    # Products of readings (36 000 deg/h, weight 160) are rounded at 4e-9; times a variance that only the
+    # wide prior holds, up to (180 deg/h per deg/s)^2, that moves a value by some 1e-6, whatever solves them.
     assert found.values == pytest.approx(expected, rel=1e-7, abs=1e-5)
     assert np.allclose(found.covariance, expected_covariance, rtol=1e-6, atol=1e-12)
 

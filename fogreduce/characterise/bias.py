@@ -1,0 +1,95 @@
+"""Bias of a gyro, how it repeats between runs and days, and its stability within a run."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtri
+
+from fogreduce.calibrate.derive import Derivation
+from fogreduce.calibrate.solution import IGNORANCE_BIAS_DEG_H
+from fogreduce.characterise.definitions import Definitions
+from fogreduce.characterise.parity import residual_rates
+from fogreduce.characterise.quantity import COVERAGE, Quantity, normal, undetermined
+from fogreduce.characterise.spread import Spread, about_solution, spread_of_runs, spread_of_values
+
+Array = NDArray[np.float64]
+
+_FEWEST_MEANS = 20
+
+
+def bias_quantities(found: Derivation, gyro: int, choices: Definitions) -> list[Quantity]:
+    """Bias, repeatability, stability."""
+    of = f"gyro{gyro + 1}"
+    return [
+        _bias(found, gyro, of),
+        _between(
+            spread_of_runs(found.products, gyro, found.solution.values[found.solution.layout.gyro(gyro)]),
+            "bias_repeatability",
+            of,
+            "runs, power cycled between them, of the same rates and attitudes (two more than are needed "
+            "to determine bias, scale factor and axis)",
+        ),
+        _between(_of_days(found, gyro), "bias_repeatability_days", of, "runs on three days or more"),
+        _stability(found, gyro, of, choices),
+    ]
+
+
+def _bias(found: Derivation, gyro: int, of: str) -> Quantity:
+    std = float(found.parameters.standard_errors[gyro, 0])
+    if std >= IGNORANCE_BIAS_DEG_H / 2:
+        needs = "a standstill, or the same rate in both senses"
+        return undetermined("bias", of, "deg/h", needs)
+    return normal("bias", of, "deg/h", float(found.parameters.bias_deg_h[gyro]), std)
+
+
+def _between(spread: Spread | None, name: str, of: str, needs: str) -> Quantity:
+    if spread is None:
+        return undetermined(name, of, "deg/h", needs)
+    note = f"{spread.freedom} degrees of freedom"
+    return Quantity(name, of, "deg/h", spread.value, spread.low, spread.high, note=note)
+
+
+def _of_days(found: Derivation, gyro: int) -> Spread | None:
+    """Scatter of the daily means beyond that of runs within a day."""
+    turn_on = float(found.solution.turn_on_deg_h[gyro])
+    days: dict[str, list[tuple[float, float]]] = {}
+    for product, one in ((p, found.readings[p.run]) for p in found.products if p.gyro == gyro):
+        variance = turn_on**2 + 1 / float(product.gram[0, 0])
+        about = about_solution(product.gram, found.solution.values[found.solution.layout.gyro(gyro)])
+        days.setdefault(one.run.started_at.date().isoformat(), []).append(
+            (float(about[0, 4] / about[0, 0]), variance)
+        )
+    if len(days) < 3:
+        return None
+    means = [float(np.mean([value for value, _ in runs])) for runs in days.values()]
+    std = [math.sqrt(np.mean([v for _, v in runs]) / len(runs)) for runs in days.values()]
+    return spread_of_values(means, std)
+
+
+def _stability(found: Derivation, gyro: int, of: str, choices: Definitions) -> Quantity:
+    """Scatter of means of so many seconds within the longest run at one rate."""
+    seconds = choices.bias_stability_s
+    best: tuple[int, Array, str] | None = None
+    for one in found.readings:
+        each = max(1, round(seconds / one.bin_s))
+        residual = residual_rates(one)[gyro]
+        for k in np.unique(one.segment):
+            values = residual[(one.segment == k) & np.isfinite(residual)]
+            count = values.size // each
+            if count >= _FEWEST_MEANS and (best is None or count > best[0]):
+                best = (count, values[: count * each].reshape(count, each).mean(axis=1), one.facts.run_id)
+    if best is None:
+        needs = f"a run of {_FEWEST_MEANS * seconds:g} s and more at one rate"
+        return undetermined("bias_stability", of, "deg/h", needs)
+    count, means, run = best
+    value = float(np.std(means, ddof=1))
+    tail = (1 - COVERAGE) / 2
+    # Means that are correlated (flicker) have fewer degrees of freedom than their number.
+    lag = float(np.corrcoef(means[1:], means[:-1])[0, 1])
+    freedom = max(2.0, (count - 1) * (1 - max(lag, 0.0) ** 2) / (1 + max(lag, 0.0) ** 2))
+    low, high = (value * math.sqrt(freedom / float(chdtri(freedom, part))) for part in (tail, 1 - tail))
+    note = f"run {run}, {count} means of {seconds:g} s"
+    return Quantity("bias_stability", of, "deg/h", value, low, high, note=note)

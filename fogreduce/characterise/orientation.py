@@ -1,0 +1,57 @@
+"""What shows where orientations differ: misalignment, acceleration and magnetic sensitivity."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fogreduce.calibrate.derive import Derivation
+from fogreduce.calibrate.shapes import ACCELERATION, Shape
+from fogreduce.calibrate.solution import IGNORANCE_AXIS_RAD
+from fogreduce.characterise.quantity import Quantity, normal, undetermined
+
+_MRAD = 1e3
+
+
+def orientation_quantities(found: Derivation, gyro: int, shapes: list[Shape]) -> list[Quantity]:
+    """Of a gyro."""
+    of = f"gyro{gyro + 1}"
+    return [*_misalignment(found, gyro, of), *_acceleration(shapes, gyro, of), _magnetic(of)]
+
+
+def _misalignment(found: Derivation, gyro: int, of: str) -> list[Quantity]:
+    """Axis less that of the present record, along two directions at right angles to it."""
+    parameters = found.parameters
+    nominal = found.readings[0].facts.axes[gyro]
+    nominal = nominal / np.linalg.norm(nominal)
+    quantities = []
+    for k, direction in enumerate(parameters.across[gyro]):
+        x, y, z = direction
+        part = f"{of}, towards [{x:.2f}, {y:.2f}, {z:.2f}]"
+        std = float(parameters.standard_errors[gyro, 2 + k])
+        if std >= IGNORANCE_AXIS_RAD / 2:
+            needs = "turns both ways about the other two axes (two mountings more)"
+            quantities.append(undetermined("misalignment", part, "mrad", needs))
+            continue
+        value = float(direction @ (parameters.axes[gyro] - nominal))
+        quantities.append(normal("misalignment", part, "mrad", value * _MRAD, std * _MRAD))
+    return quantities
+
+
+def _acceleration(shapes: list[Shape], gyro: int, of: str) -> list[Quantity]:
+    """Bias by 1 g along each axis of the unit, where the attitudes tell it from the bias."""
+    fitted = {one.name: one for one in shapes if one.gyro == gyro and one.name in ACCELERATION}
+    quantities = []
+    for name in ACCELERATION:
+        part = f"{of}, {name[-1]}"
+        if name in fitted:
+            one = fitted[name]
+            quantities.append(normal("acceleration_sensitivity", part, "deg/h/g", one.value, one.std))
+        else:
+            needs = f"standstills with {name[-1]} up and {name[-1]} down, and across"
+            quantities.append(undetermined("acceleration_sensitivity", part, "deg/h/g", needs))
+    return quantities
+
+
+def _magnetic(of: str) -> Quantity:
+    needs = "standstills in a coil whose field is known, along x, y and z both ways; run.yaml states no field"
+    return undetermined("magnetic_sensitivity", of, "deg/h/mT", needs)

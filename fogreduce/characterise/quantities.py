@@ -1,0 +1,41 @@
+"""All quantities of a unit from a campaign, in the order of the report."""
+
+from __future__ import annotations
+
+from fogreduce.calibrate.derive import Derivation, prior_of
+from fogreduce.calibrate.shapes import ACCELERATION, Shape, fitted_shapes
+from fogreduce.characterise.bias import bias_quantities
+from fogreduce.characterise.definitions import Definitions
+from fogreduce.characterise.noise import noise_quantities
+from fogreduce.characterise.orientation import orientation_quantities
+from fogreduce.characterise.quantity import Quantity, undetermined
+from fogreduce.characterise.scale_factor import scale_factor_quantities
+from fogreduce.characterise.temperature import temperature_quantities
+
+#: A swing that a table makes is none of the profile's steps of constant rate.
+_SWING = "a table that swings, its encoder logged faster than the gyros' bandwidth; run.yaml has steps only"
+
+
+def quantities_of(found: Derivation, choices: Definitions) -> list[Quantity]:
+    """Every quantity of every gyro, determined or not."""
+    shapes = report_shapes(found)
+    out: list[Quantity] = []
+    for gyro in range(found.readings[0].facts.n_gyros):
+        out += scale_factor_quantities(found, gyro, shapes, choices)
+        out += bias_quantities(found, gyro, choices)
+        out += noise_quantities(found, gyro)
+        out += orientation_quantities(found, gyro, shapes)
+        out += temperature_quantities(found, gyro, shapes, choices)
+        out.append(undetermined("bandwidth", f"gyro{gyro + 1}", "Hz", _SWING))
+    return out
+
+
+def report_shapes(found: Derivation) -> list[Shape]:
+    """The departures that the report states: those of the derivation and a few more."""
+    logged = any(one.electronics is not None for one in found.readings)
+    warmed = any(one.warming is not None for one in found.readings)
+    more = (("electronics_bias",) if logged else ()) + (("warming_bias",) if warmed else ())
+    prior = prior_of(found.readings[0])
+    alone = fitted_shapes(found.products, found.solution, prior, more)
+    together = fitted_shapes(found.products, found.solution, prior, ACCELERATION, together=True)
+    return [*found.shapes, *alone, *together]

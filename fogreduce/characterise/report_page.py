@@ -1,0 +1,113 @@
+"""The report as a page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from markupsafe import Markup
+
+from fogreduce.characterise import report_rows as rows
+from fogreduce.pages.numbers import duration, number, plus_minus
+from fogreduce.pages.render import page
+from fogreduce.pages.svg import whole
+
+TEMPLATE = "report.html"
+
+_CELL = 9.0
+_COLOURS = ("#f3f5f8", "#c9d8e8", "#86a3c3", "#1d4f80")  # up to 2, 4, 8 errors, beyond
+
+
+def report_page(document: rows.Document) -> str:
+    """The page of a report's document."""
+    parity, windows = document["parity"], document["windows"]
+    context = {
+        "data": document,
+        "verdict": rows.verdict_line(document),
+        "determined": rows.determined(document),
+        "open": rows.not_determined(document),
+        "left_out": rows.left_out(document),
+        "alarms": rows.alarms(document),
+        "hours": number(parity["hours"], 3),
+        "expected": number(parity["false_alarms_expected"], 2),
+        "turns": turn_rows(document),
+        "windows": None if windows is None else _windows(windows),
+        "steadiest": "" if windows is None else steadiest(windows),
+        "definitions": rows.definition_rows(document),
+        "runs": run_rows(document),
+    }
+    return page(TEMPLATE, f"Test report: {document['unit']}", context)
+
+
+def turn_rows(document: rows.Document) -> list[dict[str, Any]]:
+    """Groups of runs of the same turn, as rows of text."""
+    return [
+        {
+            "profile": turn["profile"],
+            "rows": [
+                [run["run"], run["about"], *map(plus_minus, run["drift_deg_h"], run["drift_err_deg_h"])]
+                for run in turn["runs"]
+            ],
+            "effects": [
+                [part["part"], plus_minus(part["deg_h"], part["std_deg_h"])] for part in turn["effects"]
+            ],
+            "chi2": f"{turn['chi2']:.1f}",
+            "freedom": turn["degrees_of_freedom"],
+        }
+        for turn in document["same_turn"]
+    ]
+
+
+def run_rows(document: rows.Document) -> list[list[str]]:
+    """Runs as rows of text."""
+    return [
+        [
+            run["run"],
+            run["started_at"],
+            duration(run["duration_s"]),
+            rows.joined(run["rates_deg_s"]),
+            run["capture_sha256"][:16] + "…",
+        ]
+        for run in document["runs"]
+    ]
+
+
+def steadiest(windows: rows.Document) -> str:
+    """The longest steady window of each gyro, in words."""
+    words = []
+    for one in windows["gyros"]:
+        best = one["steadiest"]
+        if best is None:
+            words.append(f"{one['gyro']}: none")
+        else:
+            words.append(f"{one['gyro']}: {best['length_s']:.0f} s from {best['start_s']:.0f} s")
+    return "Longest steady window of each gyro: " + "; ".join(words) + "."
+
+
+def _windows(windows: rows.Document) -> Markup:
+    """Start across, length up, a cell for each window, gyros side by side."""
+    body, left = [], 60.0
+    height = 60.0
+    for one in windows["gyros"]:
+        table, error = one["drift_deg_h_per_h"], one["error"]
+        size = len(table)
+        top = 24.0
+        height = top + size * _CELL + 34
+        body.append(f'<text x="{left:.0f}" y="14" font-weight="bold">{one["gyro"]}</text>')
+        for b, row in enumerate(table):
+            y = top + (size - 1 - b) * _CELL
+            for a, value in enumerate(row):
+                if value is None:
+                    continue
+                sigma = abs(value) / error[b] if error[b] > 0 else 0.0
+                colour = _COLOURS[sum(sigma > step for step in (2, 4, 8))]
+                body.append(
+                    f'<rect x="{left + a * _CELL:.0f}" y="{y:.0f}" width="{_CELL - 1:.0f}" '
+                    f'height="{_CELL - 1:.0f}" fill="{colour}"/>'
+                )
+        end = one["length_s"][-1]
+        below = top + size * _CELL + 14
+        body.append(f'<text x="{left:.0f}" y="{below:.0f}" fill="#5f5f5f">start 0 to {end:.0f} s</text>')
+        left += size * _CELL + 12
+    if left > 960:
+        body = [f'<g transform="scale({940 / left:.3f})">', *body, "</g>"]
+    return whole(height, body, "Drift against start and length of the window, by gyro")

@@ -1,0 +1,123 @@
+"""The report's document as rows of text, for page and PDF alike."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from fogreduce.characterise.definitions import DEFINITIONS
+from fogreduce.pages.numbers import number, plus_minus
+
+Document = Mapping[str, Any]
+
+
+def footnotes(document: Document) -> dict[str, int]:
+    """Number of the footnote of each quantity, in the order of the report."""
+    names = dict.fromkeys(one["quantity"] for one in document["quantities"])
+    return {name: k + 1 for k, name in enumerate(names)}
+
+
+def determined(document: Document) -> list[dict[str, str]]:
+    """Rows of what the runs determine."""
+    notes = footnotes(document)
+    return [
+        {
+            "title": DEFINITIONS[one["quantity"]].title,
+            "footnote": str(notes[one["quantity"]]),
+            "of": one["of"],
+            "value": plus_minus(one["value"], one["std"]),
+            "interval": _interval(one["low_95"], one["high_95"], one["std"]),
+            "unit": one["unit"],
+            "note": one["note"],
+            "verdict": one["verdict"] or "",
+            "probability": ""
+            if one["conformance_probability"] is None
+            else f"{100 * one['conformance_probability']:.3g} %",
+        }
+        for one in document["quantities"]
+        if one["determined"]
+    ]
+
+
+def not_determined(document: Document) -> list[dict[str, str]]:
+    """Rows of what they leave open: the quantity, of what, and the runs that would determine it."""
+    rows: dict[tuple[str, str], list[str]] = {}
+    for one in document["quantities"]:
+        if not one["determined"]:
+            rows.setdefault((one["quantity"], one["needs"]), []).append(one["of"])
+    notes = footnotes(document)
+    return [
+        {
+            "title": DEFINITIONS[name].title,
+            "footnote": str(notes[name]),
+            "of": "; ".join(of),
+            "needs": needs,
+        }
+        for (name, needs), of in rows.items()
+    ]
+
+
+def left_out(document: Document) -> list[list[str]]:
+    """Without which gyro, variance trace, noise and drift of x, y, z."""
+    return [
+        [
+            one["without"],
+            number(one["variance_trace"]) or "in a plane",
+            *(number(value) for value in one["noise_deg_sqrt_h"]),
+            *map(plus_minus, one["drift_deg_h"], one["drift_err_deg_h"]),
+        ]
+        for one in document["left_out"]
+    ]
+
+
+def alarms(document: Document) -> list[list[str]]:
+    """Alarms of the parity checks."""
+    return [
+        [
+            one["run"],
+            one["check"],
+            one["what"],
+            number(one["since_s"]),
+            number(one["alarm_s"]),
+            number(one["size"], 3),
+            f"{one['gyro']}, by {one['isolated_by']}" if one["gyro"] else "not isolated",
+        ]
+        for one in document["parity"]["alarms"]
+    ]
+
+
+def definition_rows(document: Document) -> list[tuple[int, str, str, str]]:
+    """Footnotes: number, title, formula, source."""
+    return [
+        (k, DEFINITIONS[name].title, DEFINITIONS[name].formula, DEFINITIONS[name].source)
+        for name, k in footnotes(document).items()
+    ]
+
+
+def verdict_line(document: Document) -> str:
+    """The verdicts in a line."""
+    verdicts = [one["verdict"] for one in document["quantities"] if one["verdict"]]
+    if document["limits"] is None:
+        return "No limits were given."
+    if not verdicts:
+        return "None of the limits is on a quantity that these runs determine."
+    counts = {word: verdicts.count(word) for word in ("pass", "fail", "not proven")}
+    return ", ".join(f"{count} {word}" for word, count in counts.items()) + (
+        f"; guard band {document['limits']['guard']:g} times the expanded uncertainty."
+    )
+
+
+def _interval(low: float, high: float, std: float) -> str:
+    """Both ends to the second digit of the uncertainty."""
+    if not std > 0:
+        return f"{number(low)} to {number(high)}"
+    digits = 1 - math.floor(math.log10(std))
+    if not 0 <= digits <= 12:
+        return f"{number(low, 6)} to {number(high, 6)}"
+    return f"{low:.{digits}f} to {high:.{digits}f}".replace("-", "−")
+
+
+def joined(values: Sequence[float]) -> str:
+    """Numbers side by side."""
+    return ", ".join(number(value) for value in values)
