@@ -32,6 +32,15 @@ _PART = 0.02  # of the projector on what is open, from which on two parameters m
 _RUN_S, _RATE_DEG_S = 300.0, 10.0  # a run that is proposed
 _STEPS = 200
 
+#: What the parameters of a gyro are called, by its number from 1.
+BIAS, SCALE_FACTOR = "gyro{}'s bias", "gyro{}'s scale factor"
+
+
+def axis_words(gyro: int, direction: Array) -> str:
+    """What a gyro's axis towards a direction across it is called; `gyro` from 0."""
+    x, y, z = np.round(direction, 2) + 0.0  # no sign of a zero
+    return f"gyro{gyro + 1}'s axis towards [{x:.2f}, {y:.2f}, {z:.2f}]"
+
 
 @dataclass(frozen=True)
 class Ignorance:
@@ -113,14 +122,12 @@ def _scaled(layout: Layout, axes: Array, ignorance: Ignorance) -> tuple[Array, l
         names.append(name)
 
     for i in range(layout.gyros):
-        of = f"gyro{i + 1}'s"
-        add(layout.gyro(i).start, float(ignorance.bias_deg_h[i]), f"{of} bias")
+        add(layout.gyro(i).start, float(ignorance.bias_deg_h[i]), BIAS.format(i + 1))
         along = SECONDS_PER_HOUR * ignorance.scale_factor_rel[i] * axes[i]
-        add(layout.vector(i), along, f"{of} scale factor")
+        add(layout.vector(i), along, SCALE_FACTOR.format(i + 1))
         for direction in across(axes[i]):
-            x, y, z = np.round(direction, 2) + 0.0  # no sign of a zero
-            words = f"{of} axis towards [{x:.2f}, {y:.2f}, {z:.2f}]"
-            add(layout.vector(i), SECONDS_PER_HOUR * ignorance.axis_rad[i] * direction, words)
+            size = SECONDS_PER_HOUR * ignorance.axis_rad[i] * direction
+            add(layout.vector(i), size, axis_words(i, direction))
     return np.array(columns).T, names
 
 

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.solution import IGNORANCE_BIAS_DEG_H
+from fogreduce.calibrate.shapes import ACCELERATION, Shape
 from fogreduce.characterise.definitions import Definitions
+from fogreduce.characterise.left_open import bias_is_open
 from fogreduce.characterise.parity import residual_rates
 from fogreduce.characterise.quantity import COVERAGE, Quantity, normal, undetermined
 from fogreduce.characterise.spread import Spread, about_solution, spread_of_runs, spread_of_values
@@ -18,15 +19,24 @@ from fogreduce.characterise.spread import Spread, about_solution, spread_of_runs
 Array = NDArray[np.float64]
 
 _FEWEST_MEANS = 20
+#: Departures by which a run's bias follows its rates and attitude, which is no scatter.
+_FOLLOWS = ("asymmetry", *ACCELERATION)
 
 
-def bias_quantities(found: Derivation, gyro: int, choices: Definitions) -> list[Quantity]:
+def bias_quantities(
+    found: Derivation, gyro: int, shapes: list[Shape], choices: Definitions
+) -> list[Quantity]:
     """Bias, repeatability, stability."""
     of = f"gyro{gyro + 1}"
     return [
         _bias(found, gyro, of),
         _between(
-            spread_of_runs(found.products, gyro, found.solution.values[found.solution.layout.gyro(gyro)]),
+            spread_of_runs(
+                found.products,
+                gyro,
+                found.solution.values[found.solution.layout.gyro(gyro)],
+                [one.name for one in shapes if one.gyro == gyro and one.name in _FOLLOWS],
+            ),
             "bias_repeatability",
             of,
             "runs, power cycled between them, of the same rates and attitudes (two more than are needed "
@@ -39,7 +49,7 @@ def bias_quantities(found: Derivation, gyro: int, choices: Definitions) -> list[
 
 def _bias(found: Derivation, gyro: int, of: str) -> Quantity:
     std = float(found.parameters.standard_errors[gyro, 0])
-    if std >= IGNORANCE_BIAS_DEG_H / 2:
+    if bias_is_open(found, gyro):
         needs = "a standstill, or the same rate in both senses"
         return undetermined("bias", of, "deg/h", needs)
     return normal("bias", of, "deg/h", float(found.parameters.bias_deg_h[gyro]), std)
@@ -88,8 +98,9 @@ def _stability(found: Derivation, gyro: int, of: str, choices: Definitions) -> Q
     value = float(np.std(means, ddof=1))
     tail = (1 - COVERAGE) / 2
     # Means that are correlated (flicker) have fewer degrees of freedom than their number.
-    lag = float(np.corrcoef(means[1:], means[:-1])[0, 1])
-    freedom = max(2.0, (count - 1) * (1 - max(lag, 0.0) ** 2) / (1 + max(lag, 0.0) ** 2))
+    about = means - means.mean()
+    lag = max(0.0, float(about[1:] @ about[:-1] / max(float(about @ about), 1e-300)))
+    freedom = max(2.0, (count - 1) * (1 - lag**2) / (1 + lag**2))
     low, high = (value * math.sqrt(freedom / float(chdtri(freedom, part))) for part in (tail, 1 - tail))
     note = f"run {run}, {count} means of {seconds:g} s"
     return Quantity("bias_stability", of, "deg/h", value, low, high, note=note)

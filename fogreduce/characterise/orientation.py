@@ -6,7 +6,7 @@ import numpy as np
 
 from fogreduce.calibrate.derive import Derivation
 from fogreduce.calibrate.shapes import ACCELERATION, Shape
-from fogreduce.calibrate.solution import IGNORANCE_AXIS_RAD
+from fogreduce.characterise.left_open import axis_is_open
 from fogreduce.characterise.quantity import Quantity, normal, undetermined
 
 _MRAD = 1e3
@@ -28,7 +28,7 @@ def _misalignment(found: Derivation, gyro: int, of: str) -> list[Quantity]:
         x, y, z = direction
         part = f"{of}, towards [{x:.2f}, {y:.2f}, {z:.2f}]"
         std = float(parameters.standard_errors[gyro, 2 + k])
-        if std >= IGNORANCE_AXIS_RAD / 2:
+        if axis_is_open(found, gyro, k):
             needs = "turns both ways about the other two axes (two mountings more)"
             quantities.append(undetermined("misalignment", part, "mrad", needs))
             continue

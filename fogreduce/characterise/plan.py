@@ -1,9 +1,10 @@
 """A campaign that determines the quantities of a test report, and what their uncertainties will be.
 
-Staircases up and down about x, y and z on three days (scale factor and all that belongs to it), standstills in
-six attitudes (bias, acceleration), turns both ways about x, y and z while the unit warms (scale factor against
-temperature), one long standstill from power-on (warm-up, stability, temperature). The uncertainties are those that the report's own code finds for one campaign drawn from the record: bins of every
-run with its noise and turn-on biases.
+Staircases up and down about x, y and z on three days (scale factor and all that belongs to it), standstills
+in six attitudes (bias, acceleration), turns both ways about x, y and z while the unit warms (scale factor
+against temperature), one long standstill from power-on (warm-up, stability, temperature). The uncertainties
+are those that the report's own code finds for one campaign drawn from the record: bins of every run with
+its noise and turn-on biases.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def _drawn(run: Run, record: CalibrationRecord, generator: np.random.Generator) 
     facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
     size = records_in_bin(facts)
     bin_s = size / facts.sample_rate_hz
-    middle: Array = (np.arange(int(facts.profile.end_s / bin_s)) + 0.5) * bin_s
+    middle: Array = bin_s * (np.arange(int(facts.profile.end_s / bin_s), dtype=np.float64) + 0.5)
     segment, inside = whole_bins(facts, middle, bin_s, ReductionConfig().edge_guard_s)
     time_s: Array = middle[inside]
     stated, noise, n = StatedErrors.of(run, record), record.stated_noise, facts.n_gyros

@@ -22,7 +22,7 @@ def quantities_of(found: Derivation, choices: Definitions) -> list[Quantity]:
     out: list[Quantity] = []
     for gyro in range(found.readings[0].facts.n_gyros):
         out += scale_factor_quantities(found, gyro, shapes, choices)
-        out += bias_quantities(found, gyro, choices)
+        out += bias_quantities(found, gyro, shapes, choices)
         out += noise_quantities(found, gyro)
         out += orientation_quantities(found, gyro, shapes)
         out += temperature_quantities(found, gyro, shapes, choices)

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
 from fogreduce.calibrate.shapes import Shape
-from fogreduce.calibrate.solution import IGNORANCE_SCALE_REL
 from fogreduce.characterise.definitions import Definitions
+from fogreduce.characterise.left_open import scale_factor_is_open
 from fogreduce.characterise.quantity import Quantity, largest_error, normal, not_negative, undetermined
 from fogreduce.characterise.spread import spread_of_values
 from fogreduce.characterise.steps import Steps, line, scale_factor_of, staircases, steps_of
@@ -44,7 +44,7 @@ def _scale_factor(found: Derivation, gyro: int, of: str) -> Quantity:
     facts = found.readings[0].facts
     unit = f"{facts.raw_unit.name}/(deg/s)"
     relative = float(found.parameters.standard_errors[gyro, 1])
-    if relative >= IGNORANCE_SCALE_REL / 2:
+    if scale_factor_is_open(found, gyro):
         needs = "a run at a rate of some deg/s both ways about x, y and z, and a standstill"
         return undetermined("scale_factor", of, unit, needs)
     value = float(facts.scale_factor[gyro] * found.parameters.scale_ratio[gyro])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.special import chdtri
 
-from fogreduce.calibrate.equations import MOTION, ONE, READING, Product
+from fogreduce.calibrate.equations import MOTION, ONE, READING, SHAPE, SHAPES, Product
 from fogreduce.characterise.quantity import COVERAGE
 
 Array = NDArray[np.float64]
@@ -48,7 +48,9 @@ def spread_of_values(values: Sequence[float], std: Sequence[float]) -> Spread | 
     return _profile(squares, value.size - 1, float(np.ptp(value)) if value.size else 0.0)
 
 
-def spread_of_runs(products: Sequence[Product], gyro: int, values: Array) -> Spread | None:
+def spread_of_runs(
+    products: Sequence[Product], gyro: int, values: Array, shapes: Sequence[str] = ()
+) -> Spread | None:
     """Scatter of a gyro's bias between runs; None where fewer than two degrees of freedom are left.
 
     Parameters
@@ -57,13 +59,16 @@ def spread_of_runs(products: Sequence[Product], gyro: int, values: Array) -> Spr
     gyro : int
     values : (4,) array
         B [deg/h] and s [deg/h per deg/s] of the solution: what is looked at is what differs from it.
+    shapes : sequence of str
+        Departures of `fogreduce.calibrate.equations.SHAPES` that are fitted as well: a bias that follows
+        attitude or sense does not scatter.
     """
-    grams = [about_solution(one.gram, values) for one in products if one.gyro == gyro]
+    grams = [about_solution(one.gram, values, shapes) for one in products if one.gyro == gyro]
     if len(grams) < 3:
         return None
     ones = np.array([gram[0, 0] for gram in grams])
-    columns = np.array([gram[0, :4] / gram[0, 0] for gram in grams])
-    means = np.array([gram[0, 4] / gram[0, 0] for gram in grams])
+    columns = np.array([gram[0, :-1] / gram[0, 0] for gram in grams])
+    means = np.array([gram[0, -1] / gram[0, 0] for gram in grams])
     information, right, square, rank_within = _within(grams, ones, columns)
 
     def left(weight: Array) -> tuple[float, int]:
@@ -82,31 +87,34 @@ def _within(grams: Sequence[Array], ones: Array, columns: Array) -> tuple[Array,
     Only in directions in which they say more than the means between runs do: elsewhere their noise would
     hide the scatter.
     """
-    within, right = np.zeros((3, 3)), np.zeros(3)
+    size = len(grams[0]) - 2
+    within, right = np.zeros((size, size)), np.zeros(size)
     for gram in grams:
-        within += gram[1:4, 1:4] - np.outer(gram[0, 1:4], gram[0, 1:4]) / gram[0, 0]
-        right += gram[1:4, 4] - gram[0, 1:4] * gram[0, 4] / gram[0, 0]
+        within += gram[1:-1, 1:-1] - np.outer(gram[0, 1:-1], gram[0, 1:-1]) / gram[0, 0]
+        right += gram[1:-1, -1] - gram[0, 1:-1] * gram[0, -1] / gram[0, 0]
     about = columns[:, 1:] - ones @ columns[:, 1:] / ones.sum()
     both = within + (about.T * ones) @ about
-    both += np.diag(np.full(3, _RANK * np.trace(both) + 1e-300))
+    both += np.diag(_RANK * np.diag(both) + 1e-300)
     share, vector = eigh(within, both)
     kept = share > _MORE
     back = both @ vector[:, kept]
     aims = vector[:, kept].T @ right
-    information, whole = np.zeros((4, 4)), np.zeros(4)
+    information, whole = np.zeros((size + 1, size + 1)), np.zeros(size + 1)
     information[1:, 1:] = (back * share[kept]) @ back.T
     whole[1:] = back @ aims
     return information, whole, float(np.sum(aims**2 / share[kept])), int(kept.sum())
 
 
-def about_solution(gram: Array, values: Array) -> Array:
-    """(5, 5): products of (1, Omega, reading less what the solution makes of it)."""
-    to = np.zeros((len(gram), 5))
+def about_solution(gram: Array, values: Array, shapes: Sequence[str] = ()) -> Array:
+    """(5 + k, 5 + k): products of (1, Omega, k shapes, reading less what the solution makes of it)."""
+    to = np.zeros((len(gram), 5 + len(shapes)))
     to[ONE, 0] = 1.0
     to[MOTION, 1:4] = np.eye(3)
-    to[READING, 4] = 1.0
-    to[ONE, 4] = -values[0]
-    to[MOTION, 4] = -values[1:]
+    for k, shape in enumerate(shapes):
+        to[SHAPE.start + SHAPES.index(shape), 4 + k] = 1.0
+    to[READING, -1] = 1.0
+    to[ONE, -1] = -values[0]
+    to[MOTION, -1] = -values[1:]
     found: Array = to.T @ gram @ to
     return found
 

@@ -1,4 +1,4 @@
-"""Reports of simulated campaigns of known truth: intervals hold it, and nothing is stated that cannot be known.
+"""Reports of simulated campaigns of known truth: intervals hold it, and nothing is stated that is open.
 
 The truth of what least squares define is what the same equations make of the same campaign without noise,
 turn-on biases and errors of mounting and table; of a scatter, what it was drawn from.
@@ -46,7 +46,8 @@ DESIGNS: dict[str, list[Run]] = {
     "standstill": [("z", [(0.0, 250.0)], UP["z"], 1)],
     "one axis, three days": [("x", STAIRS, UP["x"], day) for day in (1, 2, 3)],
 }
-#: What a design must leave open, of every gyro.
+#: What a design must leave open, of every gyro. (Earth's wave in a turn shows an axis across the table's, and
+#: Earth's rate in a standstill is a small input.)
 OPEN = {
     "single rates": {
         *("nonlinearity", "hysteresis", "threshold", "dead_band", "scale_factor_repeatability"),
@@ -54,7 +55,7 @@ OPEN = {
     },
     "staircases and attitudes": set(),
     "one sense about one axis": {
-        *("scale_factor", "bias", "misalignment", "nonlinearity", "asymmetry", "hysteresis", "threshold"),
+        *("scale_factor", "bias", "nonlinearity", "asymmetry", "hysteresis", "threshold"),
         *("dead_band", "scale_factor_repeatability", "bias_repeatability", "bias_repeatability_days"),
         "acceleration_sensitivity",
     },
@@ -63,7 +64,7 @@ OPEN = {
         *("scale_factor_repeatability", "bias_repeatability", "bias_repeatability_days"),
         "acceleration_sensitivity",
     },
-    "one axis, three days": {"threshold", "dead_band", "acceleration_sensitivity"},
+    "one axis, three days": {"acceleration_sensitivity"},
 }
 ALWAYS_OPEN = {
     *("magnetic_sensitivity", "bandwidth", "warm_up", "bias_temperature", "bias_warming"),
@@ -184,6 +185,7 @@ def test_every_stated_quantity_holds_the_truth_and_none_is_stated_that_is_open(b
                 held.setdefault(quantity.name, []).append(quantity.low <= actual <= quantity.high)
     for name, each in sorted(held.items()):
         print(f"{name}: {sum(each)} of {len(each)}")
+    print(sorted({(design, name) for design, name, _ in wrong}))
     assert wrong == []
     total = [one for each in held.values() for one in each]
     assert sum(total) >= 0.95 * len(total) - 3 * (0.05 * 0.95 * len(total)) ** 0.5
