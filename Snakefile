@@ -26,6 +26,7 @@ include: "workflow/rules/archive.smk"
 include: "workflow/rules/batches.smk"
 include: "workflow/rules/diagnose.smk"
 include: "workflow/rules/derive.smk"
+include: "workflow/rules/report.smk"
 include: "workflow/rules/withheld.smk"
 
 
@@ -36,6 +37,7 @@ rule all:
         expand(run_file("outputs.json"), zip, **run_wildcards()),
         expand(f"{RESULTS}/{{campaign}}/_diagnosis/diagnosis.json", campaign=DIAGNOSED),
         expand(f"{RESULTS}/{{campaign}}/_calibration/derivation.json", campaign=DERIVED),
+        expand(f"{RESULTS}/{{campaign}}/_report/report.json", campaign=REPORTED),
         [f"{RESULTS}/index.html"] if CONFIG.pages.enabled else [],
 
 

@@ -34,7 +34,10 @@ def run_length(limit: float, gain: Distribution) -> float:
     to = state[None, :] - state[:, None]
     moves = gain(to + width / 2) - gain(to - width / 2)
     moves[:, 0] = gain(to[:, 0] + width / 2)
-    lengths = np.linalg.solve(np.eye(_STATES) - moves, np.ones(_STATES))
+    try:
+        lengths = np.linalg.solve(np.eye(_STATES) - moves, np.ones(_STATES))
+    except np.linalg.LinAlgError:  # no way to the limit that double precision knows of
+        return math.inf
     return float(lengths[0])
 
 
@@ -45,8 +48,8 @@ def level_run_length(limit: float, allowance: float, mean: float) -> float:
 
 def two_sided_run_length(limit: float, allowance: float, mean: float) -> float:
     """The same in both directions: ``1 / L = 1 / L+ + 1 / L-``."""
-    up, down = (level_run_length(limit, allowance, sign * mean) for sign in (1.0, -1.0))
-    return 1.0 / (1.0 / up + 1.0 / down)
+    rate = sum(1.0 / level_run_length(limit, allowance, sign * mean) for sign in (1.0, -1.0))
+    return 1.0 / rate if rate > 0 else math.inf
 
 
 def scatter_run_length(limit: float, freedom: float, wanted: float, actual: float) -> float:

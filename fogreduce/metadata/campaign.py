@@ -59,6 +59,7 @@ class Campaign(Model):
     diagnose: bool = Field(
         default=False, description="whether the workflow diagnoses the gap between its runs and the simulator"
     )
+    report: bool = Field(default=False, description="whether the workflow writes the unit's test report")
     certificate: Certificate | None = Field(
         default=None, description="what the certificate of a derived calibration record says beside numbers"
     )

@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -377,6 +378,14 @@ DIAGNOSED = [
 ]
 
 
+#: Campaigns whose unit is to have a test report.
+REPORTED = [
+    name
+    for name, campaign in ABOUT.items()
+    if campaign.report and FOUND[name][0] and not uses_rewritten(name)
+]
+
+
 #: Campaigns of which a calibration is to be derived: those of one record alone, as the command asks.
 DERIVED = [
     name
@@ -412,6 +421,22 @@ def diagnosed_folder(wildcards, input):
     folder = os.path.dirname(os.path.dirname(input.runs[0]))
     made = wildcards.campaign in MADE_CAMPAIGNS
     return folder if made else os.path.dirname(folder)
+
+
+def beside_runs(wildcards, name):
+    """A file of the campaign's own folder, where it is there."""
+    path = Path(CONFIG.campaigns_dir) / wildcards.campaign / name
+    return [str(path)] if path.is_file() else []
+
+
+def report_options(wildcards, input):
+    """Options for the files that are there."""
+    given = {"--limits": input.limits, "--definitions": input.definitions}
+    return " ".join(
+        f"{option} {shlex.quote(str(path))}"
+        for option, paths in given.items()
+        for path in ([paths] if isinstance(paths, str) else paths)
+    )
 
 
 def summary_tables():
