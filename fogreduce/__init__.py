@@ -19,19 +19,19 @@ __version__ = "0.1.0"
 
 #: What Python users call -> its module, imported only when it is asked for: xarray alone costs a second.
 _FUNCTIONS = {
-    "allan": "fogreduce.characterise.allan",
-    "diagnose": "fogreduce.python.diagnose",
-    "open_campaign": "fogreduce.datasets.campaign_view",
-    "open_run": "fogreduce.datasets.view",
-    "reduce": "fogreduce.python.reduce",
-    "simulate": "fogreduce.python.simulate",
+    "allan": ".characterise.allan",
+    "diagnose": ".python.diagnose",
+    "open_campaign": ".datasets.campaign_view",
+    "open_run": ".datasets.view",
+    "reduce": ".python.reduce",
+    "simulate": ".python.simulate",
 }
 __all__ = ["__version__", *sorted(_FUNCTIONS)]
 
 
 def __getattr__(name: str) -> Any:
     if name in _FUNCTIONS:
-        return getattr(importlib.import_module(_FUNCTIONS[name]), name)
+        return getattr(importlib.import_module(_FUNCTIONS[name], __name__), name)
     raise AttributeError(f"module 'fogreduce' has no attribute {name!r}")
 
 

@@ -86,12 +86,12 @@ def test_panels_and_units(drawn):
 
 def test_curve_of_volts_is_the_tables_formula(campaign, drawn):
     for row, axes in zip(rows_of(campaign, "spiked", "gyro_fit"), drawn["gyro_volts"].axes, strict=True):
-        a, b, c, d, e = (float(row[name]) for name in ("a_V", "b_V", "c_rad_s", "d_rad", "e_V_s"))
+        a, p, q, c, e = (float(row[name]) for name in ("a_V", "p_V", "q_V", "c_rad_s", "e_V_s"))
         time_s, values = line(axes, style.CURVE)
         there = np.isfinite(values)
         time_s, values = time_s[there], values[there]
         assert (time_s[0], time_s[-1]) == (0.0, 600.0)
-        expected = [a + b * math.sin(c * t + d) + e * t for t in time_s]
+        expected = [a + p * math.cos(c * t) + q * math.sin(c * t) + e * t for t in time_s]
         scale = {"volts [V]": 1.0, "volts [mV]": 1e3, "volts [µV]": 1e6}[axes.get_ylabel()]
         np.testing.assert_allclose(values / scale, expected, rtol=1e-9, atol=1e-12)
 

@@ -52,7 +52,7 @@ def test_clipping_of_increments_is_that_of_volts(tmp_path: Path) -> None:
         stated[key] /= FACTOR
     assert ours == theirs
     page = (tmp_path / "rad" / "out-bench" / "index.html").read_text()
-    assert re.search(r"0\.001562 \+- \S+ rad/s", page)  # 0.1 V / 2^6, known to 3 %
+    assert re.search(r"0\.001562 ± \S+ rad/s", page)  # 0.1 V / 2^6, known to 3 %
 
 
 def test_the_smallest_error_of_a_converter_is_in_the_raw_unit(tmp_path: Path) -> None:
