@@ -27,7 +27,8 @@ SHAPES = (
     *("electronics_bias", "warming_bias", "acceleration_x", "acceleration_y", "acceleration_z"),
 )
 
-#: Columns of a gyro in a run: 1; Omega; its nine departures (source, axis); the shapes; the reading.
+#: Columns of a gyro in a run: 1; Omega; its nine departures (source, axis); the shapes; the reading, less
+#: what the present record makes of it (products of whole readings, 36 000 deg/h, are rounded at 1e-6 deg/h).
 ONE, MOTION, DEPARTURE = 0, slice(1, 4), slice(4, 13)
 SHAPE, READING = slice(13, 13 + len(SHAPES)), 13 + len(SHAPES)
 
@@ -72,7 +73,10 @@ def products(readings: Sequence[Readings], noise: Sequence[GyroNoise]) -> list[P
 
 
 def columns(one: Readings, gyro: int, there: NDArray[np.bool_]) -> Array:
-    """The columns of a gyro in a run, (bins, k); readings in deg/h by the present scale factor."""
+    """The columns of a gyro in a run, (bins, k).
+
+    Readings in deg/h by the present scale factor, less the present record's bias and rate.
+    """
     facts = one.facts
     motion = one.motion[:, there]
     rate = facts.axes[gyro] @ motion
@@ -80,7 +84,8 @@ def columns(one: Readings, gyro: int, there: NDArray[np.bool_]) -> Array:
         np.zeros(rate.size) if log is None else log[there]
         for log in (one.temperature, one.electronics, one.warming)
     )
-    reading = one.raw[gyro, there] * deg_h_per_raw(one, gyro)
+    unit = deg_h_per_raw(one, gyro)
+    reading = (one.raw[gyro, there] - facts.bias[gyro]) * unit - SECONDS_PER_HOUR * rate
     up = vertical(one)[:, there]
     shapes = (np.abs(rate), rate**2, rate**3, warmer, warmer * rate, electronics, warming, *up)
     departure = one.departure[:, :, there].reshape(9, -1)

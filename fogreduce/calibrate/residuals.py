@@ -49,12 +49,13 @@ def left_of(one: Readings, run: int, gyro: int, solution: Solution) -> Array:
     """What a solution leaves of each bin with a reading [deg/h]; turn-on biases are not taken out."""
     layout = solution.layout
     at = columns(one, gyro, np.isfinite(one.raw[gyro]))
-    start, s = layout.gyro(gyro).start, solution.values[layout.vector(gyro)]
-    departures = at[:, DEPARTURE].reshape(len(at), 3, 3) @ s  # by azimuth, latitude, table rate
-    left: Array = at[:, READING] - solution.values[start] - at[:, MOTION] @ s
-    left -= departures @ solution.values[layout.motion(run)]
+    start, vector, change = layout.gyro(gyro).start, layout.vector(gyro), solution.change
+    # by azimuth, latitude, table rate
+    departures = at[:, DEPARTURE].reshape(len(at), 3, 3) @ solution.values[vector]
+    left: Array = at[:, READING] - change[start] - at[:, MOTION] @ change[vector]
+    left -= departures @ change[layout.motion(run)]
     for k, shape in enumerate(layout.shapes):
-        left -= solution.values[start + 4 + k] * at[:, SHAPE.start + SHAPES.index(shape)]
+        left -= change[start + 4 + k] * at[:, SHAPE.start + SHAPES.index(shape)]
     return left
 
 

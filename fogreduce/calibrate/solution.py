@@ -102,6 +102,8 @@ class Solution:
         Standard deviation of its logarithm.
     chi2, freedom : float
         Of what is left, turn-on biases as random.
+    change : (p,) array
+        Values less those of the present record, as readings of the equations are.
     """
 
     layout: Layout
@@ -112,6 +114,7 @@ class Solution:
     turn_on_log_std: Array
     chi2: float
     freedom: float
+    change: Array
 
 
 def solve(
@@ -140,18 +143,17 @@ def solve(
     for _ in range(_ROUNDS):
         stack = _Stack.of([of_unknowns(one, layout, values) for one in products], layout)
         if turn_on is None:
-            scatter, log_std = _turn_on(stack, layout, mean, precision, prior)
+            scatter, log_std = _turn_on(stack, layout, precision, prior)
         else:
             scatter, log_std = turn_on, np.zeros(gyros)
         information, right, square, _ = stack.summed(scatter)
         covariance = np.linalg.inv(information + precision).astype(np.float64)
-        values = mean + covariance @ (right - information @ mean)
-    left = values - mean
-    at_mean = square - 2 * float(right @ mean) + float(mean @ information @ mean)
-    chi2 = at_mean - float(left @ (right - information @ mean))
+        change = covariance @ right
+        values = mean + change
+    chi2 = square - float(change @ right)
     freedom = float(sum(one.bins for one in products) - gyros * layout.per_gyro)
     no_wide = information + np.diag(_motion_precision(layout))
-    return Solution(layout, values, no_wide, covariance, scatter, log_std, chi2, freedom)
+    return Solution(layout, values, no_wide, covariance, scatter, log_std, chi2, freedom, change)
 
 
 @dataclass(frozen=True)
@@ -226,9 +228,7 @@ class _Stack:
         return information.reshape(self.size, self.size), right, float(np.sum(gram[:, -1, -1])), log_det
 
 
-def _turn_on(
-    stack: _Stack, layout: Layout, mean: Array, precision: Array, prior: Prior
-) -> tuple[Array, Array]:
+def _turn_on(stack: _Stack, layout: Layout, precision: Array, prior: Prior) -> tuple[Array, Array]:
     """Turn-on bias of each gyro, and the standard deviation of its logarithm.
 
     The root of the posterior mean of its square, so that covariances are those averaged over what it may be.
@@ -239,10 +239,8 @@ def _turn_on(
     def cost(log_turn_on: Array) -> float:
         information, right, square, log_det = stack.summed(np.exp(log_turn_on))
         total = information + precision
-        gain = right - information @ mean
         _, log_det_total = np.linalg.slogdet(total)
-        at_mean = square - 2 * float(right @ mean) + float(mean @ information @ mean)
-        left = at_mean - float(gain @ np.linalg.solve(total, gain))
+        left = square - float(right @ np.linalg.solve(total, right))
         return 0.5 * (log_det + log_det_total + left + float(np.sum(((log_turn_on - expected) / width) ** 2)))
 
     at_first = cost(expected)

@@ -40,7 +40,7 @@ def turn_on_biases(products: Sequence[Product], solution: Solution) -> list[Turn
     found = []
     for one in products:
         small = of_unknowns(one, solution.layout, solution.values)
-        to = np.append(-solution.values[small.where], 1.0)  # reading less what the solution makes of it
+        to = np.append(-solution.change[small.where], 1.0)  # reading less what the solution makes of it
         left = small.gram @ to
         square = float(to @ left)
         ones, mean = float(small.gram[0, 0]), float(left[0])

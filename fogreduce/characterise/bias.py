@@ -34,7 +34,7 @@ def bias_quantities(
             spread_of_runs(
                 found.products,
                 gyro,
-                found.solution.values[found.solution.layout.gyro(gyro)],
+                found.solution.change[found.solution.layout.gyro(gyro)],
                 [one.name for one in shapes if one.gyro == gyro and one.name in _FOLLOWS],
             ),
             "bias_repeatability",
@@ -68,7 +68,7 @@ def _of_days(found: Derivation, gyro: int) -> Spread | None:
     days: dict[str, list[tuple[float, float]]] = {}
     for product, one in ((p, found.readings[p.run]) for p in found.products if p.gyro == gyro):
         variance = turn_on**2 + 1 / float(product.gram[0, 0])
-        about = about_solution(product.gram, found.solution.values[found.solution.layout.gyro(gyro)])
+        about = about_solution(product.gram, found.solution.change[found.solution.layout.gyro(gyro)])
         days.setdefault(one.run.started_at.date().isoformat(), []).append(
             (float(about[0, 4] / about[0, 0]), variance)
         )

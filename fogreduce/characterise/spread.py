@@ -49,7 +49,7 @@ def spread_of_values(values: Sequence[float], std: Sequence[float]) -> Spread | 
 
 
 def spread_of_runs(
-    products: Sequence[Product], gyro: int, values: Array, shapes: Sequence[str] = ()
+    products: Sequence[Product], gyro: int, change: Array, shapes: Sequence[str] = ()
 ) -> Spread | None:
     """Scatter of a gyro's bias between runs; None where fewer than two degrees of freedom are left.
 
@@ -57,13 +57,14 @@ def spread_of_runs(
     ----------
     products : sequence of Product
     gyro : int
-    values : (4,) array
-        B [deg/h] and s [deg/h per deg/s] of the solution: what is looked at is what differs from it.
+    change : (4,) array
+        B [deg/h] and s [deg/h per deg/s] of the solution, less the present record's: what is looked at is
+        what differs from the solution.
     shapes : sequence of str
         Departures of `fogreduce.calibrate.equations.SHAPES` that are fitted as well: a bias that follows
         attitude or sense does not scatter.
     """
-    grams = [about_solution(one.gram, values, shapes) for one in products if one.gyro == gyro]
+    grams = [about_solution(one.gram, change, shapes) for one in products if one.gyro == gyro]
     if len(grams) < 3:
         return None
     ones = np.array([gram[0, 0] for gram in grams])
@@ -105,7 +106,7 @@ def _within(grams: Sequence[Array], ones: Array, columns: Array) -> tuple[Array,
     return information, whole, float(np.sum(aims**2 / share[kept])), int(kept.sum())
 
 
-def about_solution(gram: Array, values: Array, shapes: Sequence[str] = ()) -> Array:
+def about_solution(gram: Array, change: Array, shapes: Sequence[str] = ()) -> Array:
     """(5 + k, 5 + k): products of (1, Omega, k shapes, reading less what the solution makes of it)."""
     to = np.zeros((len(gram), 5 + len(shapes)))
     to[ONE, 0] = 1.0
@@ -113,8 +114,8 @@ def about_solution(gram: Array, values: Array, shapes: Sequence[str] = ()) -> Ar
     for k, shape in enumerate(shapes):
         to[SHAPE.start + SHAPES.index(shape), 4 + k] = 1.0
     to[READING, -1] = 1.0
-    to[ONE, -1] = -values[0]
-    to[MOTION, -1] = -values[1:]
+    to[ONE, -1] = -change[0]
+    to[MOTION, -1] = -change[1:]
     found: Array = to.T @ gram @ to
     return found
 

@@ -39,8 +39,12 @@ def made_up(generator):
 
 def test_agrees_with_generalised_least_squares_in_full() -> None:
     runs = made_up(np.random.default_rng(1))
-    products = [Product(k, 0, (c.T @ c) / 0.25, 40 * np.log(0.25), 40) for k, c in enumerate(runs)]
     axis = np.array([[0.61, 0.5, 0.615]])
+    products = []
+    for k, c in enumerate(runs):
+        about = c.copy()  # the equations' readings are less what the present record makes of them
+        about[:, READING] -= 6.0 + c[:, MOTION] @ (3600 * axis[0])
+        products.append(Product(k, 0, (about.T @ about) / 0.25, 40 * np.log(0.25), 40))
     prior = Prior(axis, np.array([6.0]), np.array([TURN_ON]))
     found = solve(products, 1, 3, prior, turn_on=np.array([TURN_ON]))
     # In full: readings stacked, their covariance with the turn-on bias common to a run, priors as readings.
@@ -62,9 +66,7 @@ def test_agrees_with_generalised_least_squares_in_full() -> None:
     weight = np.linalg.inv(covariance)
     expected_covariance = np.linalg.inv(design.T @ weight @ design + wide)
     expected = mean + expected_covariance @ design.T @ weight @ (reading - design @ mean)
-    # Products of readings (36 000 deg/h, weight 160) are rounded at 4e-9; times a variance that only the
-    # wide prior holds, up to (180 deg/h per deg/s)^2, that moves a value by some 1e-6, whatever solves them.
-    assert found.values == pytest.approx(expected, rel=1e-7, abs=1e-5)
+    assert found.values == pytest.approx(expected, rel=1e-7, abs=1e-7)
     assert np.allclose(found.covariance, expected_covariance, rtol=1e-6, atol=1e-12)
 
 
@@ -76,7 +78,7 @@ def test_parameters_go_with_their_derivatives() -> None:
     values = np.array([30.0, 2000.0, -1500.0, 2600.0, 0, 0, 0])
 
     def solution(at):
-        return Solution(layout, at, np.eye(7), half @ half.T, np.ones(1), np.ones(1), 0.0, 1.0)
+        return Solution(layout, at, np.eye(7), half @ half.T, np.ones(1), np.ones(1), 0.0, 1.0, np.zeros(7))
 
     found = parameters_of(solution(values))
 
