@@ -41,6 +41,48 @@ ONE_GYRO = {
 }
 
 
+def write_run(
+    root: Path,
+    run_id: str,
+    axis: str,
+    profile: Sequence[tuple[float, float]],
+    gyros: int,
+    rate_hz: float,
+    format_name: str = "fogcap-1",
+    volts_per_count: float = 1e-7,
+) -> None:
+    """A run's run.yaml without its capture; `profile` is (rate [deg/s], duration [s]) in turn."""
+    folder = root / "plan" / "runs" / run_id
+    folder.mkdir(parents=True)
+    run = {
+        "schema": "fogreduce/run/1",
+        "run_id": run_id,
+        "unit": "U",
+        "started_at": "2014-05-12T13:00:00Z",
+        "site": {"latitude_deg": -23.2},
+        "table": {
+            "axis": axis,
+            "profile": [{"rate_deg_s": rate, "duration_s": seconds} for rate, seconds in profile],
+        },
+        "orientation": AXES[axis],
+        "capture": {
+            "file": {"fogcap-1": "capture.fogcap", "csv-1": "capture.csv"}[format_name],
+            "format": format_name,
+            "sample_rate_hz": rate_hz,
+            "volts_per_count": volts_per_count,
+            "polarity": [1] * gyros,
+        },
+        "calibration": "U@1",
+    }
+    (folder / "run.yaml").write_text(dump_yaml(run))
+
+
+def write_record(root: Path, record: dict) -> None:
+    """The calibration record of the unit."""
+    (root / "cal" / "U").mkdir(parents=True)
+    (root / "cal" / "U" / "1.yaml").write_text(dump_yaml(record))
+
+
 def lab(
     root: Path,
     record: dict = RECORD,
@@ -49,30 +91,9 @@ def lab(
     rates: Sequence[float] = RATES,
 ) -> None:
     """Six runs without captures, two about x, two about y, one about z, one about x, at `rates` [deg/s]."""
-    n = len(record["bias_V"])
-    (root / "cal" / "U").mkdir(parents=True)
-    (root / "cal" / "U" / "1.yaml").write_text(dump_yaml(record))
+    write_record(root, record)
     for k, (axis, rate) in enumerate(zip("xxyyzx", rates, strict=True)):
-        folder = root / "plan" / "runs" / f"r{k}"
-        folder.mkdir(parents=True)
-        run = {
-            "schema": "fogreduce/run/1",
-            "run_id": f"r{k}",
-            "unit": "U",
-            "started_at": "2014-05-12T13:00:00Z",
-            "site": {"latitude_deg": -23.2},
-            "table": {"axis": axis, "profile": [{"rate_deg_s": rate, "duration_s": duration_s}]},
-            "orientation": AXES[axis],
-            "capture": {
-                "file": "capture.fogcap",
-                "format": "fogcap-1",
-                "sample_rate_hz": rate_hz,
-                "volts_per_count": 1e-7,
-                "polarity": [1] * n,
-            },
-            "calibration": "U@1",
-        }
-        (folder / "run.yaml").write_text(dump_yaml(run))
+        write_run(root, f"r{k}", axis, [(rate, duration_s)], len(record["bias_V"]), rate_hz)
 
 
 def simulated(root: Path, effects: list[dict], name: str = "bench", seed: int = 5) -> Path:

@@ -6,9 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench_lab import AXES, ONE_GYRO, RECORD, diagnosed, simulated
-
-from fogreduce.metadata.yaml12 import dump_yaml
+from bench_lab import ONE_GYRO, RECORD, diagnosed, simulated, write_record, write_run
 
 
 def campaign(
@@ -20,29 +18,10 @@ def campaign(
     seed: int = 3,
 ) -> Path:
     """Runs of (axis, rate [deg/s], duration [s], sample rate [Hz]), simulated."""
-    (root / "cal" / "U").mkdir(parents=True)
-    (root / "cal" / "U" / "1.yaml").write_text(dump_yaml(record))
+    write_record(root, record)
+    gyros = len(record["scale_factor_V_per_deg_s"])
     for k, (axis, rate, duration, hertz) in enumerate(runs):
-        folder = root / "plan" / "runs" / f"r{k}"
-        folder.mkdir(parents=True)
-        run = {
-            "schema": "fogreduce/run/1",
-            "run_id": f"r{k}",
-            "unit": "U",
-            "started_at": "2014-05-12T13:00:00Z",
-            "site": {"latitude_deg": -23.2},
-            "table": {"axis": axis, "profile": [{"rate_deg_s": rate, "duration_s": duration}]},
-            "orientation": AXES[axis],
-            "capture": {
-                "file": "capture.csv",
-                "format": "csv-1",
-                "sample_rate_hz": hertz,
-                "volts_per_count": volts_per_count,
-                "polarity": [1] * len(record["scale_factor_V_per_deg_s"]),
-            },
-            "calibration": "U@1",
-        }
-        (folder / "run.yaml").write_text(dump_yaml(run))
+        write_run(root, f"r{k}", axis, [(rate, duration)], gyros, hertz, "csv-1", volts_per_count)
     return simulated(root, effects or [], "bench", seed)
 
 

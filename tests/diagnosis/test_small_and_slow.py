@@ -6,10 +6,9 @@ import json
 from typing import Any
 
 import pytest
-from bench_lab import AXES, ONE_GYRO, RECORD, diagnosed, simulated
+from bench_lab import ONE_GYRO, RECORD, diagnosed, simulated, write_record, write_run
 
 from fogreduce.cli.main import main
-from fogreduce.metadata.yaml12 import dump_yaml
 
 TWO = {
     **{k: v for k, v in RECORD.items() if k != "H"},
@@ -26,30 +25,10 @@ SLOW = [("x", DWELLS), ("y", [(-rate, seconds) for rate, seconds in DWELLS])]
 
 def bench(root, record: dict, runs: list, rate_hz: float, effects: list[dict]):
     """A campaign of runs with any profile, simulated; csv-1 where it is slow."""
-    (root / "cal" / "U").mkdir(parents=True)
-    (root / "cal" / "U" / "1.yaml").write_text(dump_yaml(record))
-    slow = rate_hz < 1.0
+    write_record(root, record)
+    kind = "csv-1" if rate_hz < 1.0 else "fogcap-1"
     for k, (axis, profile) in enumerate(runs):
-        folder = root / "plan" / "runs" / f"r{k}"
-        folder.mkdir(parents=True)
-        run = {
-            "schema": "fogreduce/run/1",
-            "run_id": f"r{k}",
-            "unit": "U",
-            "started_at": "2014-05-12T13:00:00Z",
-            "site": {"latitude_deg": -23.2},
-            "table": {"axis": axis, "profile": [{"rate_deg_s": r, "duration_s": s} for r, s in profile]},
-            "orientation": AXES[axis],
-            "capture": {
-                "file": "capture.csv" if slow else "capture.fogcap",
-                "format": "csv-1" if slow else "fogcap-1",
-                "sample_rate_hz": rate_hz,
-                "volts_per_count": 1e-7,
-                "polarity": [1] * len(record["bias_V"]),
-            },
-            "calibration": "U@1",
-        }
-        (folder / "run.yaml").write_text(dump_yaml(run))
+        write_run(root, f"r{k}", axis, profile, len(record["bias_V"]), rate_hz, kind)
     return simulated(root, effects, "bench", 3)
 
 
