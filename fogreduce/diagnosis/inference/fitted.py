@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,26 @@ _FAR = 2.0  # times what noise leaves
 _BY_FAR = 50.0  # of chi-squared
 
 
+@dataclass(frozen=True)
+class _Gap:
+    """A residual, and what is needed to simulate what causes make of it."""
+
+    inputs: Sequence[RunInput]
+    whiten: Whitener
+    nominal: Array
+    metric: Metric
+    y: Array
+
+    def change(self, causes: Sequence[Cause]) -> Array:
+        """What the causes change, whitened."""
+        return modelled_change(self.inputs, causes, self.whiten, self.nominal)
+
+    def chi2(self, change: Array) -> float:
+        """Of what a change leaves of the residual."""
+        left = (self.y - change)[:, None]
+        return float(self.metric.gram(left, left)[0, 0])
+
+
 def refined(
     inputs: Sequence[RunInput],
     causes: Sequence[Cause],
@@ -43,31 +63,28 @@ def refined(
     """
     if not any(c.theta for c in causes if c.slow):
         return modelled(inputs, causes, whiten, nominal)
+    gap = _Gap(inputs, whiten, nominal, metric, y)
     if any(name in DELAYS for c in causes for name in c.theta):
-        causes = _sought(inputs, causes, whiten, nominal, metric, y)
-        causes = _descended(inputs, causes, whiten, nominal, metric, y, _MOST_MOVES, True).causes
-    model = _descended(inputs, causes, whiten, nominal, metric, y, rounds, False)
+        causes = _sought(gap, causes)
+        causes = _descended(gap, causes, _MOST_MOVES, True).causes
+    model = _descended(gap, causes, rounds, False)
     instants = {}
     if any("time_s" in c.theta for c in model.causes):
-        at = _at_instants(inputs, model, whiten, nominal, metric, y)
+        at = _at_instants(gap, model)
         instants = {c.key: c.std["time_s"] for c in at if "time_s" in c.std}
-        model = _better(model, _descended(inputs, at, whiten, nominal, metric, y, 1, False), metric, y)
+        model = _better(gap, model, _descended(gap, at, 1, False))
     causes = _with_spread(model.causes, _spread(inputs, model, whiten, metric))
     causes = tuple(
         replace(c, std={**c.std, "time_s": instants[c.key]}) if c.key in instants else c for c in causes
     )
     held = [
-        _widened(inputs, causes, k, whiten, nominal, metric, y)
-        if "tau_s" in c.theta
-        else _between_samples(inputs, causes, k, whiten, nominal, metric, y)
+        _widened(gap, causes, k) if "tau_s" in c.theta else _between_samples(gap, causes, k)
         for k, c in enumerate(causes)
     ]
     return replace(model, causes=tuple(held))
 
 
-def _at_instants(
-    inputs: Sequence[RunInput], model: Model, whiten: Whitener, nominal: Array, metric: Metric, y: Array
-) -> list[Cause]:
+def _at_instants(gap: _Gap, model: Model) -> list[Cause]:
     """The causes, each that stepped at its most probable instant beside the others."""
     out, column = list(model.causes), 0
     for k, cause in enumerate(model.causes):
@@ -78,35 +95,31 @@ def _at_instants(
         if "time_s" in cause.theta:
             others = np.delete(model.slopes, own, axis=1)
             rest = [*out[:k], *out[k + 1 :]]
-            left = y - modelled_change(inputs, rest, whiten, nominal)
-            out[k] = timed(inputs, cause, whiten, metric.beside(others), left)
+            left = gap.y - gap.change(rest)
+            out[k] = timed(gap.inputs, cause, gap.whiten, gap.metric.beside(others), left)
     return out
 
 
-def _better(one: Model, other: Model, metric: Metric, y: Array) -> Model:
+def _better(gap: _Gap, one: Model, other: Model) -> Model:
     """The model that leaves less."""
-    return other if _chi2(metric, y - other.change) < _chi2(metric, y - one.change) else one
+    return other if gap.chi2(other.change) < gap.chi2(one.change) else one
 
 
 def _sought(
-    inputs: Sequence[RunInput],
+    gap: _Gap,
     causes: Sequence[Cause],
-    whiten: Whitener,
-    nominal: Array,
-    metric: Metric,
-    y: Array,
 ) -> list[Cause]:
     """The causes with the best delays about theirs: from an edge in the wrong block no step leads on."""
 
     def left(trial: Sequence[Cause]) -> float:
-        return _chi2(metric, y - modelled_change(inputs, trial, whiten, nominal))
+        return gap.chi2(gap.change(trial))
 
     best = list(causes)
     for k, cause in enumerate(causes):
         for name in DELAYS.keys() & cause.theta.keys():
-            if left(best) <= _FAR * whiten.rows.total:
+            if left(best) <= _FAR * gap.whiten.rows.total:
                 return best
-            span = DELAYS[name] * max(one.scene.blocks.length_s for one in inputs)
+            span = DELAYS[name] * max(one.scene.blocks.length_s for one in gap.inputs)
             values = [_within(cause, name, cause.theta[name] + share * span) for share in _ABOUT]
             moved = [replace(cause, theta={**cause.theta, name: value}) for value in values]
             best = min(([*best[:k], one, *best[k + 1 :]] for one in moved), key=left)
@@ -114,25 +127,21 @@ def _sought(
 
 
 def _descended(
-    inputs: Sequence[RunInput],
+    gap: _Gap,
     causes: Sequence[Cause],
-    whiten: Whitener,
-    nominal: Array,
-    metric: Metric,
-    y: Array,
     rounds: int,
     whole: bool,
 ) -> Model:
     """The causes where steps of Gauss and Newton lead no further."""
-    model = modelled(inputs, causes, whiten, nominal, whole)
-    chi2 = _chi2(metric, y - model.change)
+    model = modelled(gap.inputs, causes, gap.whiten, gap.nominal, whole)
+    chi2 = gap.chi2(model.change)
     for _ in range(rounds):
-        gram = metric.gram(model.slopes, model.slopes)
+        gram = gap.metric.gram(model.slopes, model.slopes)
         scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
         step = (
             np.linalg.lstsq(
                 gram / np.outer(scale, scale),
-                metric.gram(model.slopes, (y - model.change)[:, None])[:, 0] / scale,
+                gap.metric.gram(model.slopes, (gap.y - model.change)[:, None])[:, 0] / scale,
                 rcond=1e-10,
             )[0]
             / scale
@@ -140,8 +149,8 @@ def _descended(
         damping, better = 1.0, False
         while damping > 0.05:
             moved = _moved(model.causes, damping * step)
-            trial = modelled(inputs, moved, whiten, nominal, whole)
-            found = _chi2(metric, y - trial.change)
+            trial = modelled(gap.inputs, moved, gap.whiten, gap.nominal, whole)
+            found = gap.chi2(trial.change)
             if found <= chi2 + 1e-9:
                 better = found < chi2 - 0.01
                 model, chi2 = trial, found
@@ -152,15 +161,7 @@ def _descended(
     return model
 
 
-def _widened(
-    inputs: Sequence[RunInput],
-    causes: Sequence[Cause],
-    which: int,
-    whiten: Whitener,
-    nominal: Array,
-    metric: Metric,
-    y: Array,
-) -> Cause:
+def _widened(gap: _Gap, causes: Sequence[Cause], which: int) -> Cause:
     """A decaying effect with the spread of amplitude and time constant that the likelihood far from its peak
     has.
     """
@@ -169,11 +170,11 @@ def _widened(
     values, logs = [], []
     for factor in _WIDE.tolist():
         moved = replace(cause, theta={"deg_h": own, "tau_s": _within(cause, "tau_s", tau * factor)})
-        change = modelled_change(inputs, [*causes[:which], moved, *causes[which + 1 :]], whiten, nominal)
-        without = modelled_change(inputs, [*causes[:which], *causes[which + 1 :]], whiten, nominal)
-        column, left = (change - without)[:, None], (y - without)[:, None]
-        gram = max(float(metric.gram(column, column)[0, 0]), 1e-12)
-        size = float(metric.gram(column, left)[0, 0]) / gram
+        change = gap.change([*causes[:which], moved, *causes[which + 1 :]])
+        without = gap.change([*causes[:which], *causes[which + 1 :]])
+        column, left = (change - without)[:, None], (gap.y - without)[:, None]
+        gram = max(float(gap.metric.gram(column, column)[0, 0]), 1e-12)
+        size = float(gap.metric.gram(column, left)[0, 0]) / gram
         values.append((size * own, moved.theta["tau_s"], own**2 / gram))
         logs.append(0.5 * size**2 * gram)
     weight = np.exp(np.array(logs) - max(logs))
@@ -186,27 +187,19 @@ def _widened(
     return replace(cause, std={name: max(cause.std[name], wide[name]) for name in cause.std})
 
 
-def _between_samples(
-    inputs: Sequence[RunInput],
-    causes: Sequence[Cause],
-    which: int,
-    whiten: Whitener,
-    nominal: Array,
-    metric: Metric,
-    y: Array,
-) -> Cause:
+def _between_samples(gap: _Gap, causes: Sequence[Cause], which: int) -> Cause:
     """A delayed effect known at least to a sample, where a jump of the rate a sample off fits far worse."""
     cause = causes[which]
     std = dict(cause.std)
     for name in DELAYS.keys() & cause.theta.keys():
-        step = max(sample_step(one, name) for one in inputs)
+        step = max(sample_step(one, name) for one in gap.inputs)
         left = []
         for shift in (-step, 0.0, step):
             moved = replace(
                 cause, theta={**cause.theta, name: _within(cause, name, cause.theta[name] + shift)}
             )
             trial = [*causes[:which], moved, *causes[which + 1 :]]
-            left.append(_chi2(metric, y - modelled_change(inputs, trial, whiten, nominal)))
+            left.append(gap.chi2(gap.change(trial)))
         if min(left[0], left[2]) > left[1] + _BY_FAR:
             std[name] = min(std[name], step / np.sqrt(3.0))
     return replace(cause, std=std)
@@ -241,10 +234,6 @@ def _weak(cause: Cause) -> Array:
     if size > 0.0:
         out[parts] = (UNSEEN * size) ** -2.0
     return out
-
-
-def _chi2(metric: Metric, y: Array) -> float:
-    return float(metric.gram(y[:, None], y[:, None])[0, 0])
 
 
 def _moved(causes: Sequence[Cause], step: Array) -> list[Cause]:
