@@ -134,6 +134,9 @@ def _profile(squares: Callable[[float], float], freedom: int, widest: float) -> 
         return None
     tail = (1 - COVERAGE) / 2
     low, high = (float(chdtri(freedom, part)) for part in (tail, 1 - tail))
+    # Values that happen to scatter less than their errors do not say that there is no scatter: the upper end
+    # is then that of values which scatter as their errors do.
+    high *= min(1.0, squares(0.0) / freedom)
     top = 100 * max(widest, 1e-12)
     return Spread(
         _root(squares, float(freedom), top), _root(squares, low, top), _root(squares, high, top), freedom

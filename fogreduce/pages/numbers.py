@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 #: Beyond these a value is written with a power of ten.
 _SMALLEST, _LARGEST = 1e-4, 1e7
@@ -49,6 +50,15 @@ def number(value: float | None, digits: int = 4) -> str:
         return _minus(text)
     mantissa, power = text.split("e")
     return f"{_minus(mantissa)} · 10{str(int(power)).translate(_SUPERSCRIPTS)}"
+
+
+def apart(values: Sequence[float]) -> list[str]:
+    """Numbers to as many significant digits, four at least, as tell different ones apart."""
+    for digits in range(4, 17):
+        texts = [number(value, digits) for value in values]
+        if len(set(texts)) == len(set(values)):
+            break
+    return texts
 
 
 def _minus(text: str) -> str:

@@ -174,8 +174,10 @@ def _panel(
 
     inner = _WIDTH - _LEFT - _RIGHT
     body = [f'<g fill="none" stroke="#dddddd">{_grid(low, high, y)}</g>']
+    ticks = _nice(low, high)
     body += [
-        _text(_LEFT - 6, y(value) + 4, numbers.number(value), "end", QUIET) for value in _nice(low, high)
+        _text(_LEFT - 6, y(value) + 4, text, "end", QUIET)
+        for value, text in zip(ticks, numbers.apart(ticks), strict=True)
     ]
     body.append(_text(4, top + 12, panel.name, colour=INK, bold=True))
     body.append(_text(4, top + 27, panel.unit, colour=QUIET))
