@@ -18,16 +18,24 @@ _PEDIGREE = ("unit", "version", "procedure", "valid_from", "valid_until")
 
 
 class Hashes:
-    """SHA-256 of files, each file read once."""
+    """SHA-256 of files and of code, each read once."""
 
     def __init__(self) -> None:
-        self._known: dict[Path, str] = {}
+        self._files: dict[Path, str] = {}
+        self._code: dict[tuple[Path | None, tuple[str, ...]], str] = {}
 
     def of(self, path: Path) -> str:
         """A file's hash."""
-        if path not in self._known:
-            self._known[path] = file_digest(path)
-        return self._known[path]
+        if path not in self._files:
+            self._files[path] = file_digest(path)
+        return self._files[path]
+
+    def of_code(self, place: RunPlace) -> str:
+        """The hash of the source at hand: the archive's own, or that which runs."""
+        key = (place.package, tuple(place.code_parts))
+        if key not in self._code:
+            self._code[key] = _code_at_hand(place)
+        return self._code[key]
 
 
 def trace(place: RunPlace, name: CellName, hashes: Hashes | None = None) -> dict[str, Any]:
@@ -63,7 +71,7 @@ def trace(place: RunPlace, name: CellName, hashes: Hashes | None = None) -> dict
     for needed in (f"tables/{cell.table}", MANIFEST):
         if needed not in listed:
             raise BadInput.at(place.results / needed, "", found="no checksum", expected="one in outputs.json")
-    code = _code(place)
+    code = _code(place, hashes)
     return {
         "cell": _cell(cell, place),
         "table": _checked(place.results / "tables" / cell.table, listed[f"tables/{cell.table}"], hashes),
@@ -101,15 +109,17 @@ def _checked(path: Path, entry: HashedFile, hashes: Hashes) -> dict[str, Any]:
     return {"file": str(path), "bytes": entry.bytes, "sha256": entry.sha256, "verified": True}
 
 
-def _code(place: RunPlace) -> dict[str, Any]:
+def _code(place: RunPlace, hashes: Hashes) -> dict[str, Any]:
     """The software; its hash checked where its source is at hand."""
     stated = str(place.manifest.software.get("code_sha256"))
+    return {**place.manifest.software, "source_at_hand": hashes.of_code(place) == stated}
+
+
+def _code_at_hand(place: RunPlace) -> str:
     if place.package is None:
-        found = code_digest()
-    else:
-        sources = {path.relative_to(place.package).as_posix(): path for path in place.package.rglob("*.py")}
-        found = digest_of(sources, place.code_parts)
-    return {**place.manifest.software, "source_at_hand": found == stated}
+        return code_digest()
+    sources = {path.relative_to(place.package).as_posix(): path for path in place.package.rglob("*.py")}
+    return digest_of(sources, place.code_parts)
 
 
 def _stages(

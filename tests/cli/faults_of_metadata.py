@@ -215,6 +215,7 @@ CALIBRATION = [
         "a campaign.yaml with an unknown key",
         lambda lab: (lab.campaign / "campaign.yaml").write_text("titel: x\n"),
         "$campaign/campaign.yaml: titel: found an unknown key (did you mean title?); expected one of "
-        "schema, title, operator, notes, calibration, captures_from, label, diagnose, report, certificate, derive",
+        "schema, title, operator, notes, calibration, captures_from, label, diagnose, report, certificate, "
+        "derive",
     ),
 ]
