@@ -146,6 +146,18 @@ def test_a_shape_near_the_catalogue_keeps_its_distance_from_it():
     assert known["nearest"]["effect"] in NAMES
 
 
+def test_a_single_run_of_100_minutes_has_one_effect_at_its_target():
+    from withheld.study.cases import label
+
+    protocol, plan, drawn = first("long_run", campaigns=len(CLASSES["long_run"].cells), effects=("warm_up",))
+    assert [run.duration_s for run in drawn.world.campaign.runs] == [6000.0]
+    # hours for what takes minutes in a run of 300 s
+    assert 400.0 <= drawn.world.entries[0].number("tau_s") <= 4000.0
+    known = label(protocol, plan, drawn)["effects"]
+    assert [e["role"] for e in known] == ["culprit"]
+    assert known[0]["snr"] == pytest.approx(plan.snr, rel=0.03)
+
+
 def test_strong_effects_come_in_short_and_long_runs_too():
     rng = np.random.default_rng(2)
     short, long = (any_campaign("c", rng, 1.0, {design: 1.0})[1] for design in SHORT_AND_LONG)

@@ -27,7 +27,8 @@ def _head(scores: dict[str, Any]) -> list[str]:
         "stale": "of stale records", "stale_culprit": "of a stale record and a culprit",
         "strong": "with one strong effect", "link_slow": "with link and slow faults",
         "mixed_quiet": "of mixed runs with nothing wrong", "mixed": "of mixed runs with one effect",
-        "slow_log": "of slow logs", "near": "with a shape near the catalogue",
+        "slow_log": "of slow logs", "long_run": "of a single run of 100 minutes",
+        "near": "with a shape near the catalogue",
         "without": "with an effect taken out of the catalogue", "stranger": "with one that never was in it",
     }  # fmt: skip
     listed = ", ".join(f"{kinds[k]} {text}" for k, text in words.items() if k in kinds)

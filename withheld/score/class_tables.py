@@ -84,6 +84,20 @@ def _quiet(outcomes: list[Outcome], thresholds: Thresholds) -> list[Row]:
     return [row("called a gap", share([o.flagged for o in outcomes]), "at most 1 %")]
 
 
+def _long_run(outcomes: list[Outcome], thresholds: Thresholds) -> list[Row]:
+    found = [bool(o.entries and all(o.entries.culprits)) for o in outcomes]
+    clean = [f and not any(_all([o], "strays")) for f, o in zip(found, outcomes, strict=True)]
+    cells = [(o.effects[0], o.target) for o in outcomes]
+    each = {cell: [f for f, own in zip(found, cells, strict=True) if own == cell] for cell in sorted(cells)}
+    return [
+        row("effect named, or in its true group", share(found), "95 %"),
+        row("the same, and no cause in no true group", share(clean)),
+        _explained(outcomes, ""),
+        *(row(f"{effect.replace('_', ' ')} at SNR {snr:g}", share(flags))
+          for (effect, snr), flags in each.items()),
+    ]  # fmt: skip
+
+
 def _near(outcomes: list[Outcome], thresholds: Thresholds) -> list[Row]:
     return [
         row("unknown in its place with its kin, or its kin named and the departure shown",
@@ -104,6 +118,7 @@ _ROWS: dict[str, Callable[[list[Outcome], Thresholds], list[Row]]] = {
     "mixed_quiet": _quiet,
     "mixed": _together,
     "slow_log": _together,
+    "long_run": _long_run,
     "near": _near,
 }
 

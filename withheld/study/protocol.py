@@ -140,8 +140,8 @@ def study(kind: str, seed: int) -> Protocol:
         return Protocol("full", seed, True, 400, 10, 88, 24, 4, 12)
     if kind == "whole":
         classes = {
-            "stale": 180, "stale_culprit": 90, "strong": 240, "link_slow": 60, "mixed_quiet": 60, "mixed": 50,
-            "slow_log": 40, "near": 48,
+            "stale": 174, "stale_culprit": 90, "strong": 240, "link_slow": 60, "mixed_quiet": 60, "mixed": 40,
+            "slow_log": 36, "long_run": 24, "near": 44,
         }  # fmt: skip
         return Protocol("whole", seed, True, 300, 5, 60, 20, 2, 6, classes=classes)
     raise BadInput(f"withheld study {kind}: expected small, full or whole")

@@ -5,10 +5,12 @@ strong                 each effect far above the noise
 link_slow              a link that loses or spoils readings, on a unit that drifts
 mixed_quiet, mixed     runs of several rates and lengths, gyros of several grades
 slow_log               below 2 Hz, coarse counts, spoilt readings
+long_run               a single run of 100 minutes with one effect
 near                   shapes near but not of the catalogue
 """
 
 from withheld.study.classes.link_slow import LINK_SLOW
+from withheld.study.classes.long_run import LONG_RUN
 from withheld.study.classes.mixed import MIXED, MIXED_QUIET
 from withheld.study.classes.model import CampaignClass
 from withheld.study.classes.near import NEAR_SHAPES
@@ -24,5 +26,6 @@ CLASSES: dict[str, CampaignClass] = {
     "mixed_quiet": MIXED_QUIET,
     "mixed": MIXED,
     "slow_log": SLOW_LOG,
+    "long_run": LONG_RUN,
     "near": NEAR_SHAPES,
 }

@@ -49,7 +49,7 @@ def slowed(campaign: Campaign, rng: np.random.Generator) -> Campaign:
     return replace(campaign, runs=tuple(_slowed(run, rate_hz, records, count) for run in campaign.runs))
 
 
-def _stretched(entry: Entry, campaign: Campaign) -> Entry:
+def stretched(entry: Entry, campaign: Campaign) -> Entry:
     """A warm-up as long to its log as the law's is to a run of 300 s."""
     if entry.effect != "warm_up":
         return entry
@@ -61,7 +61,7 @@ def _draw(protocol: Protocol, plan: Plan, rng: np.random.Generator) -> Drawn:
     design, plain = any_campaign(plan.name, rng, protocol.temperature_share, _DESIGNS)
     campaign = slowed(plain, rng)
     slow = tuple(
-        _stretched(draw_entry(effect, campaign, rng, protocol.wobble_most), campaign)
+        stretched(draw_entry(effect, campaign, rng, protocol.wobble_most), campaign)
         for effect in plan.effects
     )
     world = realistic_world(campaign, slow, int(rng.integers(1 << 62)), protocol.noise_level_rel)
