@@ -1,0 +1,26 @@
+"""Figures of pages as SVG text, drawn without a plotting library: points with error bars, traces, bars, maps.
+
+Traces, bars and maps take the width that they are drawn for: `WIDE`, or `SLIM` for a phone, on which a wide
+figure's words could not be read.
+"""
+
+from fogreduce.pages.svg.bars import Bar, bars, grid, shares
+from fogreduce.pages.svg.frame import AFTER, BEFORE, SLIM, WIDE, whole
+from fogreduce.pages.svg.points import Panel, points, some_ticks
+from fogreduce.pages.svg.traces import traces
+
+__all__ = [
+    "AFTER",
+    "BEFORE",
+    "SLIM",
+    "WIDE",
+    "Bar",
+    "Panel",
+    "bars",
+    "grid",
+    "points",
+    "shares",
+    "some_ticks",
+    "traces",
+    "whole",
+]
