@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fogreduce.characterise.allan_distribution import relative_limits
 from fogreduce.characterise.allan_fit import Coefficient, fit_noise_terms
-from fogreduce.characterise.allan_freedom import Kind, degrees_of_freedom, limits, total_bias
+from fogreduce.characterise.allan_freedom import Kind, degrees_of_freedom
 from fogreduce.characterise.allan_noise_type import noise_types
 from fogreduce.characterise.grid import on_grid
 from fogreduce.characterise.spectrum import Spectrum, spectrum
@@ -31,13 +32,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 KINDS: tuple[Kind, ...] = ("overlapping", "modified", "total")
-#: Probabilities of the limits.
-LEVELS = (0.6826894921370859, 0.95)
 _PER_DECADE = 10.0
 _LONGEST_PART = 4  # averaging times go up to this part of the series
 _FIT_PART = 6  # and up to this part of it in the fit
 _FIT_PER_OCTAVE = 2  # averaging times in the fit: more of them tell nothing new
 _FIT_FEWEST = 8
+#: Below so many intervals the variance of a flicker or walk that is sampled differs from that of its means:
+#: Q takes that up; a fit without Q begins there.
+_FIT_FIRST = 3
 _TO_DEG_H = {"deg/h": 1.0, "deg/s": SECONDS_PER_HOUR}
 
 
@@ -272,25 +274,20 @@ def _deviations(
     size = series.values.size
     variance = np.array([one.variance for one in estimates])
     # Windows lost to gaps, and the scatter of what is taken away for samples lost within them.
-    freedom = np.array(
-        [
-            degrees_of_freedom(kind, alpha, factor, size) * one.part / one.inflation**2
-            for alpha, factor, one in zip(alphas, factors, estimates, strict=True)
-        ]
-    )
+    share = np.array([one.part / one.inflation**2 for one in estimates])
+    whole = [degrees_of_freedom(kind, alpha, m, size) for alpha, m in zip(alphas, factors, strict=True)]
+    freedom = share * np.array(whole)
     variance[~(variance > 0) | ~(freedom > 0)] = np.nan
-    bias = np.ones(variance.size)
-    if kind == "total":
-        bias = np.array([total_bias(a, factor, size) for a, factor in zip(alphas, factors, strict=True)])
-    deviation, unbiased = np.sqrt(variance), np.sqrt(variance / bias)
-    ends = [unbiased * part for level in LEVELS for part in limits(freedom, level)]
+    deviation = np.sqrt(variance)
+    rows = zip(alphas, factors, freedom.tolist(), share.tolist(), strict=True)
+    around = np.array([relative_limits(kind, alpha, m, size, each, part) for alpha, m, each, part in rows])
     return Deviations(
         np.array(factors, float) * interval_s,
         deviation,
         np.array(alphas, np.int64),
         freedom,
         np.array([one.windows for one in estimates]),
-        *ends,
+        *(deviation[:, None] * around.reshape(-1, 4)).T,
     )
 
 
@@ -309,7 +306,9 @@ def _coefficients(series: Series, interval_s: float, terms: str) -> list[Coeffic
     size = series.values.size
     longest = size // _FIT_PART
     octaves = int(np.log2(longest) * _FIT_PER_OCTAVE) + 1 if longest >= 1 else 0
-    factors = sorted({round(2.0 ** (k / _FIT_PER_OCTAVE)) for k in range(octaves)})
+    first = 1 if "Q" in terms else _FIT_FIRST
+    spaced = {round(2.0 ** (k / _FIT_PER_OCTAVE)) for k in range(octaves)}
+    factors = sorted(factor for factor in spaced if factor >= first)
     found = [(factor, overlapping(series, factor)) for factor in factors]
     good = [(factor, one) for factor, one in found if one.variance > 0 and one.part > 0]
     if len(good) < _FIT_FEWEST:

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import fogreduce
+from fogreduce.characterise.allan import channel_of
 from fogreduce.characterise.allan_covariance import covariance
-from fogreduce.characterise.allan_freedom import degrees_of_freedom
+from fogreduce.characterise.allan_distribution import relative_limits
+from fogreduce.characterise.allan_freedom import degrees_of_freedom, limits
 from fogreduce.characterise.grid import on_grid
 from fogreduce.estimate.allan_variance import Series, modified, overlapping, total
 from fogreduce.physics.flicker import FlickerSource
@@ -52,8 +54,8 @@ def test_limits_hold_the_truth(noise, name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["white", "flicker", "walk"])
 def test_coverage_within_two_percent(noise, name: str) -> None:
-    """2,000 seeds, up to an eighth of the series; their mean is known to half a percent."""
-    found = coverage(noise, name, 2000, (1, 4, 16, 64, 250), 2000, 0.0)
+    """2,000 seeds, up to a quarter of the series; their mean is known to half a percent."""
+    found = coverage(noise, name, 2000, (1, 4, 16, 64, 125, 250, 333, 500), 2000, 0.0)
     for probability, level in LEVELS:
         for kind in ("overlapping", "total"):
             part = found[kind, level]
@@ -62,6 +64,25 @@ def test_coverage_within_two_percent(noise, name: str) -> None:
             # Each by itself is known to 1 % (68 %) and 0.5 %.
             extra = 2 * math.sqrt(probability * (1 - probability) / 2000)
             np.testing.assert_allclose(part, probability, atol=0.02 + extra)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_one_window_is_one_chi_squared(share: float) -> None:
+    """Two means of all the record: one difference, so one degree of freedom, or what gaps leave of it."""
+    expected = [part for _, level in (("", 0.6826894921370859), ("", 0.95)) for part in limits(share, level)]
+    found = relative_limits("overlapping", -2, 50, 100, share, share)
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_few_windows_are_a_sum_by_experiment() -> None:
+    """Three means of white noise: differences of variance 2 and correlation -1/2, by 400,000 draws."""
+    draws = np.random.default_rng(1).normal(size=(400_000, 3))
+    variance = (np.diff(draws, axis=1) ** 2 / 2).mean(axis=1)
+    # At m = 1 each value is a mean, and windows start at each of them.
+    low, high = np.quantile(variance, [0.025, 0.975])
+    found = relative_limits("overlapping", 0, 1, 3, degrees_of_freedom("overlapping", 0, 1, 3), 1.0)
+    np.testing.assert_allclose(found[2:], [high**-0.5, low**-0.5], rtol=0.02)
+    assert limits(np.array(1.6), 0.95)[1] > 1.1 * found[3]  # a single chi-squared would be wrong
 
 
 @pytest.mark.parametrize("lost", [0.001, 0.01, 0.1])
@@ -158,29 +179,30 @@ def test_covariance_and_freedom_are_of_one_mind(term: int, alpha: int) -> None:
 
 
 def coefficients(seeds: range, size: int = 20_000) -> dict[str, np.ndarray]:
-    """Pulls of N, B, K: (found - put in) / stated error."""
-    n, b, k = 0.002, 0.02, 0.08
-    pulls: dict[str, list[float]] = {"N": [], "B": [], "K": []}
+    """Pulls of N, B, K: (found - put in) / stated error, of every set of terms that the software fits."""
+    truths = {"N": 0.002, "B": 0.02, "K": 0.08}
+    pulls: dict[str, list[float]] = {}
     for seed in seeds:
         generator = np.random.Generator(np.random.SFC64(seed))
         sources = [FlickerSource(1.0, generator), WalkSource(1.0, generator)]
         parts = [
             np.concatenate([source.next_block() for _ in range(-(-size // 12288))]) for source in sources
         ]
-        values = 3600 * white_sigma(n, 1.0) * generator.standard_normal(size)
-        values = values + b * parts[0][:size] + k * parts[1][:size]
-        channel = fogreduce.allan(values, 1.0, unit="deg/h", factors=(1,), kinds=("overlapping",))["channel1"]
-        for symbol, truth in (("N", n), ("B", b), ("K", k)):
-            one = channel.coefficient(symbol)
-            pulls[symbol].append((one.value - truth) / one.error)
-    return {symbol: np.array(values) for symbol, values in pulls.items()}
+        values = 3600 * white_sigma(truths["N"], 1.0) * generator.standard_normal(size)
+        values = values + truths["B"] * parts[0][:size] + truths["K"] * parts[1][:size]
+        for terms in ("QNBKR", "NBK"):
+            channel = channel_of("a", values, 1.0, ("overlapping",), (1,), terms, density=False)
+            for symbol, truth in truths.items():
+                one = channel.coefficient(symbol)
+                pulls.setdefault(f"{symbol} of {terms}", []).append((one.value - truth) / one.error)
+    return {name: np.array(values) for name, values in pulls.items()}
 
 
 def test_coefficients_are_recovered() -> None:
     """12 seeds: mean pull within 3 / sqrt(12), none beyond 5."""
-    for symbol, pulls in coefficients(range(12)).items():
-        assert abs(pulls.mean()) < 3 / math.sqrt(12), symbol
-        assert np.all(np.abs(pulls) < 5), symbol
+    for name, pulls in coefficients(range(12)).items():
+        assert abs(pulls.mean()) < 3 / math.sqrt(12), name
+        assert np.all(np.abs(pulls) < 5), name
 
 
 @pytest.mark.slow
@@ -188,10 +210,10 @@ def test_pulls_are_standard_normal() -> None:
     """300 seeds, Kolmogorov-Smirnov."""
     from scipy.stats import kstest
 
-    for symbol, pulls in coefficients(range(300), 86_400).items():
+    for name, pulls in coefficients(range(300), 86_400).items():
         p = kstest(pulls, "norm").pvalue
-        print(f"{symbol}: mean {pulls.mean():.3f}, sd {pulls.std():.3f}, K-S p {p:.4f}")
-        assert p > 0.001, symbol
+        print(f"{name}: mean {pulls.mean():.3f}, sd {pulls.std():.3f}, K-S p {p:.4f}")
+        assert p > 0.001, name
 
 
 def test_density_of_white_noise() -> None:
