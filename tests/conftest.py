@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from archived_lab import ArchivedLab
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 SHARED = REPOSITORY.parent / "shared"
@@ -295,6 +296,18 @@ class Bench:
         self._reductions += 1
         out = self.root / f"results-{self._reductions}"
         return reduce_by_stages(run_dir, self.calibrations, out, parameters)
+
+
+@pytest.fixture(scope="session")
+def archived(tmp_path_factory: pytest.TempPathFactory) -> ArchivedLab:
+    """Two runs simulated, reduced, summed up and archived; not to be changed by a test."""
+    return ArchivedLab(tmp_path_factory.mktemp("archived"))
+
+
+@pytest.fixture
+def bag(archived: ArchivedLab, tmp_path: Path) -> Path:
+    """A copy of the bag, to be spoilt."""
+    return archived.copy(tmp_path / "bag")
 
 
 @pytest.fixture

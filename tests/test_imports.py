@@ -15,7 +15,20 @@ LAYERS = [
     {"constants", "units", "errors"},
     {"physics"},
     {"metadata", "datasets", "estimate", "effects", "plausibility"},
-    {"stages", "simulate", "diagnosis", "archive", "figures", "pages", "calibrate", "characterise", "guess"},
+    {
+        "stages",
+        "simulate",
+        "diagnosis",
+        "provenance",
+        "reruns",
+        "trace",
+        "archive",
+        "figures",
+        "pages",
+        "calibrate",
+        "characterise",
+        "guess",
+    },
     {"cli", "warm", "python", "selftest"},
 ]
 

@@ -17,9 +17,9 @@ from pathlib import Path
 from types import TracebackType
 
 from fogreduce.archive.contents import Item
-from fogreduce.archive.outputs import sync
 from fogreduce.datasets.atomic import sweep
 from fogreduce.errors import BadInput
+from fogreduce.provenance.outputs import sync
 
 DECLARATION = "BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
 PAYLOAD_MANIFEST = "manifest-sha256.txt"

@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from fogreduce.archive.code import digest_of
 from fogreduce.archive.crate import CRATE
 from fogreduce.archive.facts import Facts
 from fogreduce.archive.hdf5 import Looked, look_at
-from fogreduce.archive.outputs import VERSIONS
-from fogreduce.archive.records import MANIFEST, OUTPUTS, HashedFile, Manifest
 from fogreduce.archive.schema import ArchiveRecord, RunEntry
 from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.folder import load_calibration, load_run
+from fogreduce.provenance.code import digest_of
+from fogreduce.provenance.outputs import VERSIONS
+from fogreduce.provenance.records import MANIFEST, OUTPUTS, HashedFile, Manifest
 
 Files = Mapping[str, tuple[str, int]]
 

@@ -20,8 +20,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fogreduce.archive.names import faults_of_names, plain_files
-from fogreduce.archive.outputs import result_files
-from fogreduce.archive.records import (
+from fogreduce.archive.software import source_files
+from fogreduce.errors import BadInput, Fault
+from fogreduce.metadata.faults import NAME_PATTERN
+from fogreduce.provenance.outputs import result_files
+from fogreduce.provenance.records import (
     MANIFEST,
     OUTPUTS,
     HashedFile,
@@ -30,10 +33,7 @@ from fogreduce.archive.records import (
     read_manifest,
     read_outputs,
 )
-from fogreduce.archive.software import source_files
-from fogreduce.archive.versions import kept_versions, same
-from fogreduce.errors import BadInput, Fault
-from fogreduce.metadata.faults import NAME_PATTERN
+from fogreduce.provenance.versions import kept_versions, same
 
 #: Where the workflow keeps the captures that it made, in the folder of the results.
 MADE = "_captures"

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.archive.crate import CRATE
-from fogreduce.archive.records import MANIFEST, OUTPUTS, Manifest, Outputs, manifest_of, parse_json
-from fogreduce.archive.version_ids import version_ids
 from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput, Fault
+from fogreduce.provenance.records import MANIFEST, OUTPUTS, Manifest, Outputs, manifest_of, parse_json
+from fogreduce.provenance.version_ids import version_ids
 
 
 @dataclass

@@ -17,12 +17,12 @@ from hashlib import sha256
 from pathlib import Path
 
 from fogreduce.archive.contents import MADE
-from fogreduce.archive.records import MANIFEST, read_manifest
 from fogreduce.archive.verify import Verified, verify
 from fogreduce.archive.write import RECORD
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
+from fogreduce.provenance.records import MANIFEST, read_manifest
 
 ARCHIVED = "archived"
 _CHUNK = 1 << 20

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from fogreduce.archive.records import VersionId
 from fogreduce.metadata.base import Model, Name
 from fogreduce.metadata.faults import unexpected
+from fogreduce.provenance.records import VersionId
 
 Folder = Annotated[
     str, Field(pattern=r"^(campaigns|captures|results)(/[A-Za-z0-9][A-Za-z0-9._-]{0,63}){2,3}$")

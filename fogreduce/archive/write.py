@@ -9,10 +9,10 @@ from pathlib import Path
 
 import fogreduce
 from fogreduce.archive.bag import BagWriter
-from fogreduce.archive.code import digest_of, reduction_parts
 from fogreduce.archive.contents import Contents
 from fogreduce.archive.crate import CRATE, crate
 from fogreduce.errors import BadInput, Fault
+from fogreduce.provenance.code import digest_of, reduction_parts
 
 RECORD = "archive.json"
 RECORD_SCHEMA = "fogreduce/archive/1"

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.archive.contents import OF_CAMPAIGN
-from fogreduce.archive.uses import uses_below
 from fogreduce.calibrate.registry import read_registry
 from fogreduce.errors import BadInput
+from fogreduce.reruns.uses import uses_below
 
 
 def impact(record_id: str, results: Path, calibrations: Path) -> dict[str, Any]:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 import fogreduce
-from fogreduce.archive.code import code_digest
-from fogreduce.archive.digest import file_digest
 from fogreduce.calibrate.derive import Derivation
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.metadata.calibration import record_in
 from fogreduce.metadata.instant import instant_text
 from fogreduce.physics.redundancy import projection
+from fogreduce.provenance.code import code_digest
+from fogreduce.provenance.digest import file_digest
 
 #: Parameters of a gyro in the covariance, in the order of `parameters.NAMES`.
 _PARAMETERS = ("bias_deg_h", "scale_factor_rel", "axis1_rad", "axis2_rad")

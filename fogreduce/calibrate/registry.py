@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from fogreduce.archive.digest import file_digest
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.folder import is_name, read_calibration
 from fogreduce.metadata.instant import instant_text
+from fogreduce.provenance.digest import file_digest
 
 #: A standard deviation in the record and the root of the covariance's diagonal agree to this [relative].
 _AGREE = 1e-6

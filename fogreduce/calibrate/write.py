@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.digest import data_digest, file_digest
 from fogreduce.calibrate.certificate import certificate_facts
 from fogreduce.calibrate.certificate_pdf import write_pdf
 from fogreduce.calibrate.dcc import write_dcc
@@ -18,6 +17,7 @@ from fogreduce.errors import BadInput
 from fogreduce.metadata.certificate import Certificate
 from fogreduce.metadata.folder import load_calibration, load_campaign
 from fogreduce.metadata.yaml12 import dump_yaml
+from fogreduce.provenance.digest import data_digest, file_digest
 from fogreduce.stages.files import write_json
 
 _DIGITS = 8  # of a digest that is part of a version's name

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from fogreduce.archive.digest import file_digest
 from fogreduce.calibrate.derive import Derivation, derive
 from fogreduce.characterise.axes import same_turns
 from fogreduce.characterise.definitions import DEFINITIONS, Definitions
@@ -19,6 +18,7 @@ from fogreduce.characterise.quantities import quantities_of
 from fogreduce.characterise.quantity import Quantity
 from fogreduce.characterise.temperature import steady_windows
 from fogreduce.estimate.uncertainty import StatedErrors
+from fogreduce.provenance.digest import file_digest
 
 SCHEMA = "fogreduce/report/1"
 

@@ -150,8 +150,8 @@ def _diff(arguments: argparse.Namespace) -> int:
 
 
 def _validate(arguments: argparse.Namespace) -> int:
-    from fogreduce.archive.uses import rewritten, some_of, uses_below
     from fogreduce.calibrate.registry import faults_between
+    from fogreduce.reruns.uses import rewritten, some_of, uses_below
 
     entries, faults = _read(arguments)
     faults += faults_between(entries)
@@ -202,7 +202,7 @@ def _used(arguments: argparse.Namespace) -> dict[str, list[str]] | None:
     """Record -> results reduced with it; None where no results were named."""
     if arguments.results is None:
         return None
-    from fogreduce.archive.uses import uses_below
+    from fogreduce.reruns.uses import uses_below
 
     used: dict[str, list[str]] = {}
     for use in uses_below(arguments.results):

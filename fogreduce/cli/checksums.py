@@ -16,10 +16,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write outputs.json, then keep the version beside older ones."""
-    from fogreduce.archive.outputs import results_bytes, write_checksums
-    from fogreduce.archive.versions import keep
     from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.provenance.outputs import results_bytes, write_checksums
+    from fogreduce.provenance.versions import keep
 
     with sole_writer(arguments.results):
         with progress(results_bytes(arguments.results), "bytes") as told:

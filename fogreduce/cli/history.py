@@ -26,8 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the history; the kept tables are held against their checksums on the way."""
-    from fogreduce.archive.history import history
-    from fogreduce.archive.places import one_run, run_places
+    from fogreduce.provenance.history import history
+    from fogreduce.trace.places import one_run, run_places
 
     places = run_places(arguments.place, arguments.campaigns, arguments.calibrations)
     found = history(one_run(places, arguments.run, arguments.place, "--run NAME").results)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 
-from fogreduce.archive.outdated import refuse_another_run, remove_outdated
-from fogreduce.archive.uses import refuse_rewritten
 from fogreduce.cli.reduce import add_arguments as add_arguments
 from fogreduce.cli.reduce import manifest_of
 from fogreduce.datasets.atomic import write_text
 from fogreduce.datasets.sole_writer import sole_writer
+from fogreduce.reruns.outdated import refuse_another_run, remove_outdated
+from fogreduce.reruns.uses import refuse_rewritten
 
 HELP = "write the manifest of a run (a node of the workflow)"
 

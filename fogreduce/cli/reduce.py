@@ -49,7 +49,7 @@ def manifest_of(arguments: argparse.Namespace) -> dict[str, Any]:
         found = "a file" if arguments.run.exists() else "no such folder"
         raise BadInput.at(arguments.run, "", found=found, expected="a run's folder")
     refuse_raw("--out", arguments.out)
-    from fogreduce.archive.manifest import manifest
+    from fogreduce.provenance.manifest import manifest
 
     return manifest(arguments.run, arguments.calibrations, _parameters(arguments))
 
@@ -100,10 +100,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def reduce_into(setup: Setup, run_dir: Path, calibrations: Path) -> None:
     """All stages of a run into its results folder; nothing of another run or version stays there."""
-    from fogreduce.archive.outdated import refuse_another_run, remove_outdated
-    from fogreduce.archive.uses import refuse_rewritten
     from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.reruns.outdated import refuse_another_run, remove_outdated
+    from fogreduce.reruns.uses import refuse_rewritten
     from fogreduce.stages.files import write_json
     from fogreduce.stages.run import reduce_run
     from fogreduce.stages.setup import MANIFEST

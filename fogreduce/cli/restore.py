@@ -45,8 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _compare(bag: Path, results: Path, expect: str | None) -> int:
-    from fogreduce.archive.compare import TOLERANCE, compare_run, runs_to_compare
     from fogreduce.archive.verify import verify
+    from fogreduce.provenance.compare import TOLERANCE, compare_run, runs_to_compare
 
     # What is not what it was proves nothing, and its datasets are not to be opened.
     faults = list(verify(bag, expect).faults)

@@ -29,10 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the chain; every input, the record, the manifest and the table are hashed on the way."""
-    from fogreduce.archive.cell import CellName
-    from fogreduce.archive.places import one_run, run_places
-    from fogreduce.archive.trace import trace
-    from fogreduce.archive.trace_text import trace_text
+    from fogreduce.provenance.cell import CellName
+    from fogreduce.trace.chain import trace
+    from fogreduce.trace.places import one_run, run_places
+    from fogreduce.trace.text import trace_text
 
     name = CellName.parse(arguments.cell)
     places = run_places(arguments.place, arguments.campaigns, arguments.calibrations)
@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     if arguments.format == "prov":
-        from fogreduce.archive.prov import prov
+        from fogreduce.trace.prov import prov
 
         found = prov(found)
     print(json.dumps(found, indent=1, ensure_ascii=False))

@@ -12,11 +12,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.records import read_manifest, read_record
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.errors import BadInput
 from fogreduce.pages.attention import attention
 from fogreduce.physics.raw_quantity import unit_of_capture
+from fogreduce.provenance.records import read_manifest, read_record
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 OVERVIEW = "reports/overview.json"

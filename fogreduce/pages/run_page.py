@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.records import Manifest, read_manifest, read_record
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.pages import svg
 from fogreduce.pages.attention import first_of_each, names_of
@@ -16,6 +15,7 @@ from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
 from fogreduce.pages.overview import overview, real, report
 from fogreduce.pages.render import Crumb, page
 from fogreduce.physics.raw_quantity import unit_of_capture
+from fogreduce.provenance.records import Manifest, read_manifest, read_record
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.

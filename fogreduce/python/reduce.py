@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fogreduce.archive.manifest import manifest
 from fogreduce.cli.raw import refuse_raw
 from fogreduce.cli.reduce import reduce_into
 from fogreduce.cli.warnings import summary_line
 from fogreduce.errors import BadInput
+from fogreduce.provenance.manifest import manifest
 from fogreduce.stages.read_tables import COLUMNS, read_rows
 from fogreduce.stages.setup import Setup
 

@@ -12,9 +12,9 @@ import numpy as np
 import scipy
 
 import fogreduce
-from fogreduce.archive.code import code_digest
 from fogreduce.datasets.atomic import write_text
 from fogreduce.pages.render import page
+from fogreduce.provenance.code import code_digest
 from fogreduce.selftest import allan, geometry, gum, paper
 from fogreduce.selftest.check import Check
 

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fogreduce
-from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest
 from fogreduce.constants import MANIFEST_SCHEMA, MICROSECONDS_PER_SECOND
 from fogreduce.datasets.logs import TableLog
 from fogreduce.datasets.run_logs import table_log_of
@@ -24,6 +23,7 @@ from fogreduce.estimate.uncertainty import StatedErrors
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.frames import AXES
 from fogreduce.physics.redundancy import projection
+from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest
 
 MANIFEST = "manifest.json"
 
@@ -37,7 +37,7 @@ class Setup:
     Attributes
     ----------
     manifest : mapping
-        See `fogreduce.archive.manifest`.
+        See `fogreduce.provenance.manifest`.
     out : Path
         The run's results folder.
     """

@@ -24,7 +24,7 @@ from pathlib import Path
 
 SOCKET = "socket"
 #: What the first requests of a command have imported before the fork: the commands of the workflow.
-ALWAYS = ("fogreduce.archive.manifest", "fogreduce.archive.versions", "fogreduce.stages.run")
+ALWAYS = ("fogreduce.provenance.manifest", "fogreduce.provenance.versions", "fogreduce.stages.run")
 PER_COMMAND = {
     "figures": ("fogreduce.figures.catalogue", "fogreduce.figures.results", "fogreduce.figures.save"),
     "diagnose": ("fogreduce.diagnosis.diagnose", "fogreduce.diagnosis.report.write"),
@@ -212,8 +212,8 @@ class Server:
 
 def _know_the_machine() -> None:
     """What the last node of every run records; finding it out takes 15 ms."""
-    from fogreduce.archive.code import code_digest
-    from fogreduce.archive.machine import machine
+    from fogreduce.provenance.code import code_digest
+    from fogreduce.provenance.machine import machine
 
     machine()
     code_digest()  # reads the sources, and keeps what they say

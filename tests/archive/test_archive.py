@@ -7,8 +7,8 @@ import shutil
 import pytest
 from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
 
-from fogreduce.archive.code import code_digest, digest_of, reduction_parts
 from fogreduce.archive.software import source_files, source_folder
+from fogreduce.provenance.code import code_digest, digest_of, reduction_parts
 
 
 def test_the_same_results_give_the_same_bytes(archived, tmp_path):
@@ -54,8 +54,10 @@ def test_the_code_hash_can_be_told_from_archived_sources():
 
 
 def test_the_archive_is_no_part_of_the_code_that_numbers_come_from():
-    inside = [part for part in reduction_parts() if part.startswith("archive")]
-    assert inside == [f"archive/{name}.py" for name in ("__init__", "code", "digest", "manifest")]
+    parts = reduction_parts()
+    assert [part for part in parts if part.partition("/")[0] in ("archive", "reruns", "trace")] == []
+    inside = [part for part in parts if part.startswith("provenance")]
+    assert inside == [f"provenance/{name}.py" for name in ("__init__", "code", "digest", "manifest")]
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,7 @@ import os
 import h5py
 import numpy as np
 import pytest
-from archived_lab import CAMPAIGN, call, describe, seal, sha256_of
-from test_verify import faults, named
+from archived_lab import CAMPAIGN, call, describe, faults, named, seal, sha256_of
 
 from fogreduce.archive import walk
 
@@ -249,7 +248,7 @@ def cover_up(bag, name, raw, inputs=False):
 
 def reversion(bag, manifest):
     """Give a changed manifest its version id, and every result of the run that id."""
-    from fogreduce.archive.digest import data_digest
+    from fogreduce.provenance.digest import data_digest
 
     old = manifest.pop("version_id")
     new = data_digest(manifest)[:16]

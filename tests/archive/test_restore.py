@@ -11,9 +11,9 @@ import h5py
 import pytest
 from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
 
-from fogreduce.archive.cell import standard_uncertainty
-from fogreduce.archive.compare import compare_run, distance_of
 from fogreduce.metadata.yaml12 import load_yaml
+from fogreduce.provenance.cell import standard_uncertainty
+from fogreduce.provenance.compare import compare_run, distance_of
 
 
 @pytest.fixture(scope="module", autouse=True)

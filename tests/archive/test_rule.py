@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from archived_lab import CAMPAIGN, RUNS, succeed
 
-from fogreduce.archive.versions import kept_versions
+from fogreduce.provenance.versions import kept_versions
 
 _RULES = 'include: "workflow/rules/archive.smk"\n'
 

@@ -11,7 +11,7 @@ import time
 import pytest
 from archived_lab import CAMPAIGN, call
 
-from fogreduce.archive.code import reduction_parts
+from fogreduce.provenance.code import reduction_parts
 
 _BYTES = 2_200_000_000
 _CODE = """

@@ -5,26 +5,10 @@ import random
 import shutil
 
 import pytest
-from archived_lab import CAMPAIGN, call, describe, seal, sha256_of, succeed
-
-from fogreduce.archive.verify import verify
-from fogreduce.errors import BadInput
+from archived_lab import CAMPAIGN, call, describe, faults, named, seal, sha256_of, succeed
 
 RESULTS = f"data/results/{CAMPAIGN}"
 CAPTURE = f"data/campaigns/{CAMPAIGN}/runs/r1/capture.fogcap"
-
-
-def faults(bag, expect=None):
-    """Faults of a bag, as text; none where it is sound."""
-    try:
-        return [str(fault) for fault in verify(bag, expect).faults]
-    except BadInput as error:
-        return [str(fault) for fault in error.faults]
-
-
-def named(found, bag, path):
-    """Whether a fault names the file."""
-    return any(line.startswith(f"{bag / path}: ") for line in found)
 
 
 def test_a_sound_bag(archived):

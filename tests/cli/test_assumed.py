@@ -112,7 +112,7 @@ def test_check_of_what_states_everything_says_nothing_more(lab, capsys):
 
 
 def test_the_manifest_lists_it(lab):
-    from fogreduce.archive.manifest import manifest
+    from fogreduce.provenance.manifest import manifest
 
     made = manifest(lab.runs[0], lab.calibrations, {})
     assert {entry["key"] for entry in made["assumed"]} >= OF_RUN | {"uncertainty.bias_V"}

@@ -14,7 +14,7 @@ rule checksums:
         run_file("logs/checksums.log"),
     params:
         edited=edited_outputs("checksums"),
-        code=code_digest("fogreduce.archive.outputs", "fogreduce.archive.versions"),
+        code=code_digest("fogreduce.provenance.outputs", "fogreduce.provenance.versions"),
         out=subpath(output[0], parent=True),
     shell:
         "fogreduce checksums {params.out:q} > {log:q} 2>&1"

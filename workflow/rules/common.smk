@@ -14,11 +14,11 @@ from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
 
-from fogreduce.archive.clock import faults_of_inputs, make_old
-from fogreduce.archive.code import code_digest
-from fogreduce.archive.digest import file_digest
-from fogreduce.archive.edited import edited, notes_of
-from fogreduce.archive.uses import REWRITTEN, rewritten, some_of, uses_in
+from fogreduce.reruns.clock import faults_of_inputs, make_old
+from fogreduce.provenance.code import code_digest
+from fogreduce.provenance.digest import file_digest
+from fogreduce.reruns.edited import edited, notes_of
+from fogreduce.reruns.uses import REWRITTEN, rewritten, some_of, uses_in
 from fogreduce.datasets.atomic import write_text
 from fogreduce.datasets.readers.installed import installed_readers, software_of
 from fogreduce.datasets.sole_writer import WORKFLOW, sole_writer, writers_inside

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import fogreduce
-from fogreduce.archive.digest import data_digest, file_digest
+from fogreduce.provenance.digest import data_digest, file_digest
 
 TEMPLATES = {
     path.name: file_digest(path)

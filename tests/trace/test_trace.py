@@ -8,14 +8,14 @@ import pytest
 from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
 from prov import model
 
-from fogreduce.archive.cell import CellName, error_columns, read_table, row_names
-from fogreduce.archive.code import code_digest
-from fogreduce.archive.places import run_places
-from fogreduce.archive.prov import prov
-from fogreduce.archive.stages import STAGES, stages_of
-from fogreduce.archive.trace import Hashes, trace
 from fogreduce.errors import BadInput
+from fogreduce.provenance.cell import CellName, error_columns, read_table, row_names
+from fogreduce.provenance.code import code_digest
+from fogreduce.provenance.stages import STAGES, stages_of
 from fogreduce.stages.run import STAGES as STAGES_THAT_RUN
+from fogreduce.trace.chain import Hashes, trace
+from fogreduce.trace.places import run_places
+from fogreduce.trace.prov import prov
 
 
 def cells(results):
@@ -83,10 +83,10 @@ def test_a_table_of_raw_volts_does_not_come_from_the_later_stages():
     assert stages_of("drift.csv") == list(STAGES)
 
 
-def test_the_stages_are_those_of_the_workflow(repository_root):
+def test_the_stages_are_those_of_the_workflow(repository):
     """What each stage writes, as its rule says."""
     assert list(STAGES) == list(STAGES_THAT_RUN)
-    rules = (repository_root / "workflow/rules/reduction.smk").read_text()
+    rules = (repository / "workflow/rules/reduction.smk").read_text()
     for stage, facts in STAGES.items():
         rule = re.search(rf"^rule {stage}:.*?output:(.*?)log:", rules, re.DOTALL | re.MULTILINE)
         assert tuple(re.findall(r'run_file\("([^"]+)"\)', rule[1])) == facts.writes

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest, file_digest
-from fogreduce.archive.records import MANIFEST, OUTPUTS
-from fogreduce.archive.stages import STAGES
+from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest, file_digest
+from fogreduce.provenance.records import MANIFEST, OUTPUTS
+from fogreduce.provenance.stages import STAGES
 
 _GONE = "gone"
 #: What no stage writes; the rest lies in a folder of its rule's name.

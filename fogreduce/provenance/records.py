@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest
 from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.base import Model, Name
 from fogreduce.metadata.faults import unexpected
+from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest
 
 MANIFEST = "manifest.json"
 OUTPUTS = "outputs.json"
@@ -46,7 +46,7 @@ class Outputs(Model):
 
     schema_id: Literal["fogreduce/outputs/1"] = Field(alias="schema", description="format of this file")
     version_id: VersionId = Field(description="the manifest's")
-    machine: dict[str, Any] = Field(description="libraries and CPU features; see fogreduce.archive.machine")
+    machine: dict[str, Any] = Field(description="libraries, CPU features; see fogreduce.provenance.machine")
     files: Annotated[list[HashedFile], Field(strict=False)] = Field(description="every file of the results")
 
 

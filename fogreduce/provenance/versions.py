@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.outputs import VERSIONS
-from fogreduce.archive.records import OUTPUTS, Outputs, read_outputs
 from fogreduce.datasets.atomic import sweep
+from fogreduce.provenance.outputs import VERSIONS
+from fogreduce.provenance.records import OUTPUTS, Outputs, read_outputs
 
 _NAME = re.compile(r"([1-9][0-9]{0,5})-([0-9a-f]{16})")
 _SMALL_BYTES = 1 << 20

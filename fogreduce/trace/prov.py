@@ -14,7 +14,7 @@ _PREFIX = {
 
 
 def prov(trace: Mapping[str, Any]) -> dict[str, Any]:
-    """The PROV-JSON document of a trace (`fogreduce.archive.trace.trace`)."""
+    """The PROV-JSON document of a trace (`fogreduce.trace.chain.trace`)."""
     run = trace["run"]
     at = f"fog:{run['campaign']}/{run['run_id']}/{run['version_id']}"
     software = f"fog:code/{trace['code']['code_sha256']}"

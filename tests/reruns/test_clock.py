@@ -6,7 +6,7 @@ import os
 import time
 from pathlib import Path
 
-from fogreduce.archive.clock import faults_of_inputs, from_the_future, make_old
+from fogreduce.reruns.clock import faults_of_inputs, from_the_future, make_old
 
 DAY_S = 86_400.0
 

@@ -7,13 +7,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.cell import error_columns, read_table, row_names, standard_uncertainty
-from fogreduce.archive.compare import distance_of, manifest_differences
-from fogreduce.archive.digest import file_digest
-from fogreduce.archive.machine import differences
-from fogreduce.archive.records import MANIFEST, Outputs, read_manifest, read_outputs
-from fogreduce.archive.versions import Version, kept_versions, same
 from fogreduce.errors import BadInput
+from fogreduce.provenance.cell import error_columns, read_table, row_names, standard_uncertainty
+from fogreduce.provenance.compare import distance_of, manifest_differences
+from fogreduce.provenance.digest import file_digest
+from fogreduce.provenance.machine import differences
+from fogreduce.provenance.records import MANIFEST, Outputs, read_manifest, read_outputs
+from fogreduce.provenance.versions import Version, kept_versions, same
 
 _IDENTITY = "version_id"
 

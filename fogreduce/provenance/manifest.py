@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import fogreduce
-from fogreduce.archive.code import code_digest
-from fogreduce.archive.digest import VERSION_ID_DIGITS, data_digest, file_digest
 from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.assumed import assumed_of_record, assumed_of_run
 from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.folder import cross_check, load_calibration, load_campaign, load_run
+from fogreduce.provenance.code import code_digest
+from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest, file_digest
 
 _LIBRARIES = ("numpy", "h5py", "pydantic", "pyyaml")
 

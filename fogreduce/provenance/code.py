@@ -15,10 +15,10 @@ from hashlib import sha256
 from pathlib import Path
 
 import fogreduce
-from fogreduce.archive.digest import file_digest
+from fogreduce.provenance.digest import file_digest
 
 #: What the numbers of a reduction come from: how a manifest is made, and the stages.
-REDUCTION = ("fogreduce.archive.manifest", "fogreduce.stages.run")
+REDUCTION = ("fogreduce.provenance.manifest", "fogreduce.stages.run")
 
 _STRING = r'"{3}(?:[^\\"]++|\\.|"(?!""))*"{3}|\'{3}(?:[^\\\']++|\\.|\'(?!\'\'))*\'{3}'
 _STRING += r'|"(?:[^"\\\n]++|\\.)*"|\'(?:[^\'\\\n]++|\\.)*\''

@@ -12,8 +12,8 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
-from fogreduce.archive.records import MANIFEST, OUTPUTS
 from fogreduce.errors import Fault
+from fogreduce.provenance.records import MANIFEST, OUTPUTS
 
 #: Clocks of two machines that share a disk may differ by as much.
 TOLERANCE_S = 5.0

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.cell import Cell, CellName, find_cell
-from fogreduce.archive.code import code_digest, digest_of
-from fogreduce.archive.digest import file_digest
-from fogreduce.archive.places import RunPlace
-from fogreduce.archive.records import MANIFEST, HashedFile, Outputs, read_outputs
-from fogreduce.archive.stages import STAGES, stages_of
 from fogreduce.errors import BadInput
+from fogreduce.provenance.cell import Cell, CellName, find_cell
+from fogreduce.provenance.code import code_digest, digest_of
+from fogreduce.provenance.digest import file_digest
+from fogreduce.provenance.records import MANIFEST, HashedFile, Outputs, read_outputs
+from fogreduce.provenance.stages import STAGES, stages_of
+from fogreduce.trace.places import RunPlace
 
 #: What of a calibration record says where it comes from.
 _PEDIGREE = ("unit", "version", "procedure", "valid_from", "valid_until")

@@ -6,9 +6,9 @@ import shutil
 import pytest
 from archived_lab import CAMPAIGN, call, seal, succeed
 
-from fogreduce.archive.history import history
 from fogreduce.archive.verify import verify
-from fogreduce.archive.versions import kept_versions
+from fogreduce.provenance.history import history
+from fogreduce.provenance.versions import kept_versions
 
 
 @pytest.fixture(scope="module", autouse=True)

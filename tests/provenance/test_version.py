@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from fogreduce.archive.code import code_digest, reduction_parts
-from fogreduce.archive.digest import data_digest, file_digest
 from fogreduce.cli.main import main
+from fogreduce.provenance.code import code_digest, reduction_parts
+from fogreduce.provenance.digest import data_digest, file_digest
 
 
 def manifest(run: Path, calibrations: Path, out: Path, parameters: dict | None = None) -> dict:

@@ -2,8 +2,8 @@
 
 import pytest
 
-from fogreduce.archive.cell import error_columns, standard_uncertainty
 from fogreduce.physics.raw_quantity import UNITS_IN_USE
+from fogreduce.provenance.cell import error_columns, standard_uncertainty
 from fogreduce.stages.tables import gyro_fit_columns
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from fogreduce.archive.uses import REWRITTEN, refuse_rewritten, rewritten, some_of, uses_below
 from fogreduce.errors import BadInput
+from fogreduce.reruns.uses import REWRITTEN, refuse_rewritten, rewritten, some_of, uses_below
 
 OLD, NEW = "a" * 64, "b" * 64
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fogreduce.archive.contents import MADE, campaigns_in
-from fogreduce.archive.records import MANIFEST, Manifest, read_manifest, read_record
 from fogreduce.archive.schema import ArchiveRecord
 from fogreduce.archive.verify import listed
 from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput
+from fogreduce.provenance.records import MANIFEST, Manifest, read_manifest, read_record
 
 
 @dataclass(frozen=True)

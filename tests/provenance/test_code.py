@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import fogreduce
-from fogreduce.archive.code import code_digest, imports, meaning, modules_used
+from fogreduce.provenance.code import code_digest, imports, meaning, modules_used
 
 PACKAGE = Path(fogreduce.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))

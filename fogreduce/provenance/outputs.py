@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from fogreduce.archive.digest import file_digest
-from fogreduce.archive.machine import machine
-from fogreduce.archive.records import OUTPUTS, OUTPUTS_SCHEMA, Manifest, read_manifest
-from fogreduce.archive.version_ids import ids_of_result
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
+from fogreduce.provenance.digest import file_digest
+from fogreduce.provenance.machine import machine
+from fogreduce.provenance.records import OUTPUTS, OUTPUTS_SCHEMA, Manifest, read_manifest
+from fogreduce.provenance.version_ids import ids_of_result
 
 #: Older versions of the results, beside the new.
 VERSIONS = "versions"

@@ -6,8 +6,8 @@ import csv
 import io
 from pathlib import Path
 
-from fogreduce.archive.records import parse_json
 from fogreduce.errors import BadInput
+from fogreduce.provenance.records import parse_json
 
 
 def ids_of_result(folder: Path, name: str) -> set[str]:

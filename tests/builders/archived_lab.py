@@ -9,10 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from fogreduce.archive.code import digest_of, reduction_parts
 from fogreduce.archive.software import source_files, source_folder
+from fogreduce.archive.verify import verify
 from fogreduce.cli.main import main
+from fogreduce.errors import BadInput
 from fogreduce.metadata.yaml12 import dump_yaml
+from fogreduce.provenance.code import digest_of, reduction_parts
 
 CAMPAIGN = "c1"
 RUNS = ("r1", "r2")
@@ -106,7 +108,7 @@ class ArchivedLab:
         """Manifests name the code that is archived, though someone may be at work on the source meanwhile."""
         digest = self.code()
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("fogreduce.archive.manifest.code_digest", lambda: digest)
+            patch.setattr("fogreduce.provenance.manifest.code_digest", lambda: digest)
             yield
 
     def code(self):
@@ -167,3 +169,16 @@ def describe(bag):
 def sha256_of(path):
     """SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def faults(bag, expect=None):
+    """Faults of a bag, as text; none where it is sound."""
+    try:
+        return [str(fault) for fault in verify(bag, expect).faults]
+    except BadInput as error:
+        return [str(fault) for fault in error.faults]
+
+
+def named(found, bag, path):
+    """Whether a fault names the file."""
+    return any(line.startswith(f"{bag / path}: ") for line in found)

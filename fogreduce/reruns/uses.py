@@ -12,12 +12,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fogreduce.archive.records import MANIFEST
 from fogreduce.errors import BadInput
+from fogreduce.provenance.records import MANIFEST
 
 #: In a folder of results: records whose file is no more what results were reduced with, with these results.
 REWRITTEN = "_rewritten.json"
-#: As `fogreduce.archive.manifest` writes it; in free text its quotation marks would be escaped.
+#: As `fogreduce.provenance.manifest` writes it; in free text its quotation marks would be escaped.
 _USED = re.compile(rb'"calibration":\s*\{\s*"id":\s*"([^"\s]+)",\s*"sha256":\s*"([0-9a-f]{64})"')
 _NAMED = 3  # results that a fault names; the rest are counted
 
