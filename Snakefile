@@ -28,6 +28,7 @@ include: "workflow/rules/diagnose.smk"
 include: "workflow/rules/derive.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/withheld.smk"
+include: "workflow/rules/ending.smk"
 
 
 rule all:
@@ -47,6 +48,9 @@ onstart:
         start()
 
 
+onsuccess:
+    end_well()
+
+
 onerror:
-    print(summarize_failed(), file=sys.stderr)
-    pages_of_failures()
+    end_badly()

@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -63,12 +64,19 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def snakemake(place: Path, *settings: str, dry: bool = False) -> subprocess.CompletedProcess[str]:
+#: How lines begin that Snakemake says before it reads the Snakefile.
+OF_SNAKEMAKE = ("Using workflow specific profile", "Config file ")
+
+
+def snakemake(
+    place: Path, *settings: str, dry: bool = False, more: Sequence[str] = ()
+) -> subprocess.CompletedProcess[str]:
     """The workflow over the campaigns in `place`, its state kept there too."""
     return subprocess.run(
         [SNAKEMAKE, "--cores", "2", "--snakefile", ROOT / "Snakefile", "--directory", place]
         + ["--workflow-profile", ROOT / "profiles" / "default"]
         + ["--dry-run"] * dry
+        + [*more]
         + ["--config", "campaigns_dir=campaigns", f"calibrations_dir={ROOT / 'calibrations'}", *settings],
         capture_output=True,
         text=True,
@@ -155,13 +163,58 @@ def test_once_mended_only_what_was_missing_is_made_and_a_further_call_does_nothi
     assert "0 failed" in page
     assert "c-broken" not in page
     third = snakemake(place)
-    assert "Nothing to be done" in third.stdout + third.stderr
+    assert "Nothing to be done" in third.stderr
+    assert third.stderr.splitlines()[-2:] == [
+        "3 runs: 3 reduced, of these 0 with something flagged and 0 with red flags",
+        "Open results/index.html",
+    ]
 
 
-def test_a_configuration_that_cannot_be_is_refused_with_its_key(place: Path) -> None:
-    done = snakemake(place, "reduction={block_records: none}", dry=True)
-    assert done.returncode != 0
-    assert "block_records" in done.stdout + done.stderr
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        (
+            "reduction={block_records: none}",
+            "configuration: reduction.block_records: found the text 'none'; expected a whole number",
+        ),
+        (
+            "withheld={study: huge}",
+            "configuration: withheld.study: found huge; expected small, full or whole",
+        ),
+        (
+            "campaigns_dir=nowhere",
+            "nowhere: found no such folder; expected a folder with one folder a campaign",
+        ),
+    ],
+)
+@pytest.mark.parametrize("quiet", [[], ["--quiet", "all"]])
+def test_a_configuration_that_cannot_be_is_refused_in_one_line(
+    place: Path, setting: str, told: str, quiet: list[str]
+) -> None:
+    done = snakemake(place, setting, more=quiet)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    (line,) = [line for line in done.stderr.splitlines() if not line.startswith(OF_SNAKEMAKE)]
+    assert line == told
+
+
+def test_a_terminal_sees_the_end_and_the_log_has_all(
+    place: Path, first: subprocess.CompletedProcess[str]
+) -> None:
+    said = [line for line in first.stderr.splitlines() if line.strip()]
+    assert first.stdout == ""
+    assert len(said) < 16, first.stderr
+    assert "4 runs: 3 reduced, of these 0 with something flagged and 0 with red flags; 1 not reduced" in said
+    assert "Open results/index.html" in said
+    (log,) = (place / ".snakemake" / "log").glob("*.log")
+    kept = log.read_text()
+    assert kept.count("rule drift:") == 3
+    assert "Error in rule ingest" in kept
+
+
+def test_a_dry_run_says_what_it_would_do(place: Path, first: subprocess.CompletedProcess[str]) -> None:
+    done = snakemake(place, dry=True, more=["--forceall"])
+    assert "rule ingest:" in done.stdout + done.stderr
 
 
 def test_lint_has_nothing_to_wish_for() -> None:

@@ -1,15 +1,12 @@
 """The configuration, the runs it asks for, and every file name of the workflow."""
 
 import atexit
-import csv
 import hashlib
 import json
 import os
 import re
 import shlex
-import subprocess
 import sys
-import tempfile
 from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
@@ -443,41 +440,3 @@ def summary_tables():
     """The tables over all runs."""
     names = ("drift_all", "rates_all", "commanded_all", "failed")
     return [f"{SUMMARY}/{name}.csv" for name in names]
-
-
-def summarize(out):
-    """Gather with what is there; nothing, or what went wrong."""
-    done = subprocess.run(
-        ["fogreduce", "summary", "--results", RESULTS, "--out", out]
-        + ["--campaigns", CONFIG.campaigns_dir, *CONFIG.campaigns],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return done.stderr if done.returncode else ""
-
-
-def summarize_failed():
-    """The summary of a workflow that failed, with what is there; the runs that are not reduced, and why."""
-    wrong = summarize(SUMMARY)
-    if not wrong:
-        return failed_runs(SUMMARY)
-    # No room there, or no right: which runs failed is said nevertheless.
-    try:
-        with tempfile.TemporaryDirectory() as out:
-            return wrong + (summarize(out) or failed_runs(out))
-    except OSError:
-        return wrong
-
-
-def failed_runs(summary):
-    """The runs that are not reduced, and why, as a summary says."""
-    with open(f"{summary}/failed.csv", newline="") as file:
-        failed = list(csv.DictReader(file))
-    if not failed:
-        return "\nEvery run is reduced; what else failed, the messages above say."
-    lines = [
-        f"  {row['campaign']}/{row['run_id']}: {row['reason'] or 'see the messages above'}"
-        for row in failed
-    ]
-    return "\n".join(["", "These runs are not reduced:", *lines])

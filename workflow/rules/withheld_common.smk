@@ -16,12 +16,12 @@ WITHHELD_DEFAULTS = {
 }
 WITHHELD = {**WITHHELD_DEFAULTS, **config.get("withheld", {})}
 if unknown := sorted(WITHHELD.keys() - WITHHELD_DEFAULTS.keys()):
-    raise ValueError(
-        f"withheld: no setting {', '.join(unknown)}; expected {', '.join(WITHHELD_DEFAULTS)}"
+    stop(
+        f"configuration: withheld.{unknown[0]}: found an unknown key; expected one of {', '.join(WITHHELD_DEFAULTS)}"
     )
 if WITHHELD["study"] not in ("small", "full", "whole"):
-    raise ValueError(
-        f"withheld: study {WITHHELD['study']}; expected small, full or whole"
+    stop(
+        f"configuration: withheld.study: found {WITHHELD['study']}; expected small, full or whole"
     )
 # The protocol's command checks the number of cases.
 WITHHELD_CASES = {"small": 20, "full": 1216, "whole": 1500}[WITHHELD["study"]]
