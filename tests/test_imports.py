@@ -3,34 +3,12 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-
-#: Parts of the package, lowest first: a part may import itself and those on lower lines, nothing above.
-#: Parts of one line may import each other.
-LAYERS = [
-    {"constants", "units", "errors"},
-    {"physics"},
-    {"metadata", "datasets", "estimate", "effects", "plausibility"},
-    {
-        "stages",
-        "simulate",
-        "diagnosis",
-        "provenance",
-        "reruns",
-        "trace",
-        "archive",
-        "figures",
-        "pages",
-        "calibrate",
-        "characterise",
-        "guess",
-    },
-    {"cli", "warm", "python", "selftest"},
-]
 
 #: What the package's own __init__ offers lazily; anybody may ask for the version.
 PACKAGE = "fogreduce"
@@ -43,11 +21,12 @@ def modules(root: Path) -> list[Path]:
     return sorted((root / PACKAGE).rglob("*.py"))
 
 
-def layer(part: str) -> int:
-    for number, parts in enumerate(LAYERS):
-        if part in parts:
-            return number
-    raise AssertionError(f"fogreduce.{part} stands in no layer: add it to tests/test_imports.py")
+def rooms_in_order(root: Path) -> list[str]:
+    """The rooms of ARCHITECTURE.md, lowest first: one may import itself and those before it."""
+    table = (
+        (root / "ARCHITECTURE.md").read_text(encoding="utf-8").partition("| room |")[2].partition("\n\n")[0]
+    )
+    return re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
 
 
 def imported(path: Path, root: Path) -> list[tuple[int, str]]:
@@ -72,16 +51,15 @@ def imported(path: Path, root: Path) -> list[tuple[int, str]]:
     return found
 
 
-def test_every_part_has_its_layer(repository) -> None:
-    parts = {
+def test_every_room_has_its_place(repository) -> None:
+    rooms = {
         path.relative_to(repository / PACKAGE).parts[0].removesuffix(".py") for path in modules(repository)
     }
-    for part in parts - {"__init__", "__main__"}:
-        layer(part)
-    assert {"constants", "physics", "stages", "cli"} <= parts
+    assert sorted(rooms_in_order(repository)) == sorted(rooms - {"__init__", "__main__"})
 
 
 def test_imports_point_down(repository) -> None:
+    order = {room: place for place, room in enumerate(rooms_in_order(repository))}
     wrong = []
     for path in modules(repository):
         part = path.relative_to(repository / PACKAGE).parts[0].removesuffix(".py")
@@ -91,7 +69,7 @@ def test_imports_point_down(repository) -> None:
             pieces = name.split(".")
             if pieces[0] != PACKAGE or len(pieces) == 1 or pieces[1] in ("__version__", "__file__"):
                 continue
-            if layer(pieces[1]) > layer(part):
+            if order[pieces[1]] > order[part]:
                 wrong.append(f"{path.relative_to(repository)}:{line}: {part} imports {name}")
     assert wrong == []
 
@@ -116,7 +94,7 @@ def test_the_search_for_imports_sees_every_kind(tmp_path) -> None:
         "from ..cli import check",
         "def late():",
         "    from withheld.chain import noise",
-        "    importlib.import_module('fogreduce.figures.style')",
+        "    importlib.import_module('fogreduce.plotting.style')",
     ]
     source.write_text("\n".join(lines))
     assert [name for _, name in imported(source, tmp_path)] == [
@@ -124,7 +102,7 @@ def test_the_search_for_imports_sees_every_kind(tmp_path) -> None:
         "fogreduce.stages",
         "fogreduce.cli.check",
         "withheld.chain.noise",
-        "fogreduce.figures.style",
+        "fogreduce.plotting.style",
     ]
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from fogreduce.figures import frames, gyro_axes, published_drift
 from fogreduce.figures.results import Results
 from fogreduce.figures.save import save
-from fogreduce.figures.style import style
 from fogreduce.metadata.folder import load_calibration
+from fogreduce.plotting.style import style
 
 HERE = Path(__file__).parent
 CALIBRATION = "TETRA-01@2012a"

@@ -15,9 +15,9 @@ from matplotlib.lines import Line2D
 
 from fogreduce.calibrate.certificate import COVERAGE_FACTOR, COVERAGE_PROBABILITY, NOT_STATED, Facts
 from fogreduce.datasets.atomic import whole_file
-from fogreduce.figures.style import style
 from fogreduce.metadata.certificate import Party
 from fogreduce.pages.numbers import number, plus_minus
+from fogreduce.plotting.style import style
 
 _A4_INCH = (8.27, 11.69)
 _LEFT, _RIGHT, _TOP, _BOTTOM = 0.10, 0.92, 0.94, 0.06

@@ -127,8 +127,8 @@ class Allan:
 
     def plot(self, kind: Kind = "overlapping") -> Figure:
         """Deviations with their limits and the fitted noise, and the spectral density, as a figure."""
-        from fogreduce.figures.allan import draw_result
-        from fogreduce.figures.style import style
+        from fogreduce.characterise.allan_figure import draw_result
+        from fogreduce.plotting.style import style
 
         with style():
             return draw_result(self, kind)

@@ -26,7 +26,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.characterise.allan_run import allan_of_run
     from fogreduce.characterise.allan_tables import write_tables
     from fogreduce.figures.save import save
-    from fogreduce.figures.style import style
+    from fogreduce.plotting.style import style
 
     result = allan_of_run(arguments.results)
     folder = arguments.out or arguments.results / "allan"

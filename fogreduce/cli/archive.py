@@ -39,8 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.archive.contents import campaigns_in, contents
     from fogreduce.archive.software import source_folder
     from fogreduce.archive.write import write_bag
-    from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.progress import progress
 
     source = source_folder(arguments.source)
     found = campaigns_in(arguments.results)

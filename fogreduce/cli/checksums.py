@@ -16,8 +16,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write outputs.json, then keep the version beside older ones."""
-    from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.progress import progress
     from fogreduce.provenance.outputs import results_bytes, write_checksums
     from fogreduce.provenance.versions import keep
 

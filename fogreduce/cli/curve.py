@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print each channel's curve, segment by segment. A channel is held in memory whole."""
-    from fogreduce.cli.progress import progress
+    from fogreduce.progress import progress
     from fogreduce.stages.files import read_report
     from fogreduce.stages.setup import Setup
 

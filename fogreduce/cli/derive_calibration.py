@@ -37,8 +37,8 @@ def run(args: argparse.Namespace) -> int:
     from fogreduce.calibrate.derive import derive
     from fogreduce.calibrate.document import summary
     from fogreduce.calibrate.write import write_derivation
-    from fogreduce.cli.raw import refuse_raw
     from fogreduce.metadata.folder import is_name
+    from fogreduce.metadata.raw_folder import refuse_raw
 
     refuse_raw("--out", args.out)
     found = derive(args.campaign, args.calibrations, [name for name in args.only_runs.split(",") if name])

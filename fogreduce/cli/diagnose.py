@@ -11,9 +11,9 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fogreduce.cli.options import add_calibrations, add_part, read_part
-from fogreduce.cli.raw import refuse_raw, run_ids
+from fogreduce.cli.options import add_calibrations, add_part, read_part, run_ids
 from fogreduce.errors import BadInput
+from fogreduce.metadata.raw_folder import refuse_raw
 
 if TYPE_CHECKING:
     from fogreduce.diagnosis.diagnose import Diagnosis
@@ -134,7 +134,7 @@ def _refuse_idle(args: argparse.Namespace) -> None:
 def _steps(names: Sequence[str], args: argparse.Namespace) -> AbstractContextManager[Callable[[str], None]]:
     """Progress through one campaign; of several, their number is shown already."""
     from fogreduce.cli.many import campaign_folders
-    from fogreduce.cli.progress import steps
+    from fogreduce.progress import steps
 
     if campaign_folders(args.campaign) is not None:
         return nullcontext(lambda name: None)

@@ -41,11 +41,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.run is not None and not arguments.run.is_dir():
         raise BadInput.at("--run", "", found=f"no folder {arguments.run}", expected="the run's folder")
     began = time.monotonic()
-    from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.figures.catalogue import plan
     from fogreduce.figures.results import Results
     from fogreduce.figures.save import save_all
+    from fogreduce.progress import progress
 
     results = Results.read(arguments.out)
     planned = plan(results, arguments.run)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fogreduce.cli.main import system_error
-from fogreduce.cli.progress import progress
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput, Fault, FogreduceError
 from fogreduce.metadata.folder import list_campaigns
 from fogreduce.metadata.yaml12 import load_yaml
+from fogreduce.progress import progress
 
 
 @dataclass(frozen=True)

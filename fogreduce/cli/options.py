@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fogreduce.errors import BadInput
+
 if TYPE_CHECKING:
     from fogreduce.metadata.part import Part
 
@@ -50,3 +52,11 @@ def read_part(name: str | None) -> Part | None:
     from fogreduce.metadata.part import Part
 
     return Part.named(name)
+
+
+def run_ids(text: str | None) -> tuple[str, ...]:
+    """The runs of ``--only-runs ID,...``; none where the option is not given."""
+    names = () if text is None else tuple(name for name in text.split(",") if name)
+    if text is not None and not names:
+        raise BadInput.at("--only-runs", "", found=text, expected="names of runs: ID,...")
+    return names

@@ -6,8 +6,8 @@ import argparse
 import json
 from pathlib import Path
 
-from fogreduce.cli.raw import refuse_raw
 from fogreduce.errors import BadInput
+from fogreduce.metadata.raw_folder import refuse_raw
 
 HELP = "write the page of a run, of a campaign or over all campaigns (a node of the workflow)"
 

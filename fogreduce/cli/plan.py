@@ -39,9 +39,9 @@ def run(args: argparse.Namespace) -> int:
 
     from fogreduce.characterise.definitions import read_definitions
     from fogreduce.characterise.plan import duration_s, expected_quantities, planned_runs
-    from fogreduce.cli.raw import refuse_raw
     from fogreduce.datasets.atomic import write_text
     from fogreduce.metadata.folder import load_calibration, load_run
+    from fogreduce.metadata.raw_folder import refuse_raw
     from fogreduce.metadata.run import FASTEST_DEG_S, Run
     from fogreduce.metadata.yaml12 import dump_yaml
 

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fogreduce.cli.beside import beside
 from fogreduce.cli.memory import keep_freed_memory
-from fogreduce.cli.raw import refuse_raw
 from fogreduce.errors import BadInput
-
-if TYPE_CHECKING:
-    from fogreduce.stages.setup import Setup
+from fogreduce.metadata.raw_folder import refuse_raw
 
 HELP = "reduce one run, all stages in one process"
 
@@ -69,26 +64,15 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
     return parameters | given
 
 
-@contextmanager
-def _nothing_left(out: Path) -> Iterator[None]:
-    """Where the reduction fails, folders that it made and that are empty are removed."""
-    made = [folder for folder in (out / "datasets", out, *out.parents) if not folder.exists()]
-    try:
-        yield
-    except BaseException:
-        for folder in made:
-            with suppress(OSError):
-                folder.rmdir()
-        raise
-
-
 def run(arguments: argparse.Namespace) -> int:
     """Reduce; the tables are byte for byte those of the workflow."""
     manifest = beside(lambda: manifest_of(arguments))
     keep_freed_memory()
     from fogreduce.cli.flags import say_red_flags
-    from fogreduce.cli.warnings import print_warnings, summary_line
+    from fogreduce.cli.warnings import print_warnings
+    from fogreduce.stages.reduce_into import reduce_into
     from fogreduce.stages.setup import Setup
+    from fogreduce.stages.summary_line import summary_line
 
     setup = Setup(manifest(), arguments.out)
     reduce_into(setup, arguments.run, arguments.calibrations)
@@ -96,25 +80,3 @@ def run(arguments: argparse.Namespace) -> int:
     warnings = print_warnings(setup, arguments.run)
     print(f"{arguments.run}: {summary_line(setup, warnings)}")
     return 0
-
-
-def reduce_into(setup: Setup, run_dir: Path, calibrations: Path) -> None:
-    """All stages of a run into its results folder; nothing of another run or version stays there."""
-    from fogreduce.cli.progress import progress
-    from fogreduce.datasets.sole_writer import sole_writer
-    from fogreduce.reruns.outdated import refuse_another_run, remove_outdated
-    from fogreduce.reruns.uses import refuse_rewritten
-    from fogreduce.stages.files import write_json
-    from fogreduce.stages.run import reduce_run
-    from fogreduce.stages.setup import MANIFEST
-
-    with sole_writer(setup.out):
-        refuse_another_run(setup.out, setup.manifest)
-        used = setup.manifest["calibration"]
-        out = setup.out.resolve()
-        in_results = out.parts[-2:] == (setup.manifest["campaign"], setup.manifest["run_id"])
-        refuse_rewritten(used["id"], used["sha256"], calibrations, out, beside=in_results)
-        with _nothing_left(setup.out), progress(setup.facts.n_expected, "records") as told:
-            reduce_run(setup, run_dir, told)
-        remove_outdated(setup.out, setup.version_id)
-        write_json(setup.out / MANIFEST, setup.manifest)

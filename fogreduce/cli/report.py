@@ -32,8 +32,8 @@ def run(args: argparse.Namespace) -> int:
     from fogreduce.characterise.report_page import report_page
     from fogreduce.characterise.report_pdf import write_pdf
     from fogreduce.characterise.report_rows import verdict_line
-    from fogreduce.cli.raw import refuse_raw
     from fogreduce.datasets.atomic import whole_file, write_text
+    from fogreduce.metadata.raw_folder import refuse_raw
     from fogreduce.stages.files import write_json
 
     refuse_raw("--out", args.out)

@@ -30,8 +30,8 @@ def run(arguments: argparse.Namespace) -> int:
         return _compare(arguments.bag, arguments.compare, arguments.expect)
     from fogreduce.archive.restore import ARCHIVED, restore
     from fogreduce.archive.verify import listed
-    from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.progress import progress
 
     out = arguments.out
     with sole_writer(out), progress(2 * sum(listed(arguments.bag).sizes.values()), "B") as told:

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute, write, say; 1 where a number does not agree."""
-    from fogreduce.cli.raw import refuse_raw
+    from fogreduce.metadata.raw_folder import refuse_raw
     from fogreduce.selftest.run import checks, write
 
     refuse_raw("--out", arguments.out)

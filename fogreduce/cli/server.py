@@ -16,10 +16,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until standard input closes."""
+    from fogreduce.cli.main import main
     from fogreduce.warm.serve import Server
 
     try:
-        Server(arguments.folder).run()
+        Server(arguments.folder, main).run()
     finally:
         shutil.rmtree(arguments.folder, ignore_errors=True)
     return 0

@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fogreduce.cli.options import add_calibrations, add_part, read_part
-from fogreduce.cli.raw import run_ids
+from fogreduce.cli.options import add_calibrations, add_part, read_part, run_ids
 from fogreduce.errors import BadInput
 
 if TYPE_CHECKING:
@@ -110,8 +109,8 @@ def _write_campaign_yaml(campaign: Path, out: Path) -> None:
 
 
 def _simulate(plan: Plan, out: Path, overwrite: bool) -> None:
-    from fogreduce.cli.progress import progress
     from fogreduce.datasets.sole_writer import sole_writer
+    from fogreduce.progress import progress
     from fogreduce.simulate.campaign import write_campaign
 
     with sole_writer(out), progress(plan.n_records, "records") as told:

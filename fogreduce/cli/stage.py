@@ -28,10 +28,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the stage."""
-    from fogreduce.cli.progress import progress
     from fogreduce.cli.warnings import print_warnings
     from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.errors import BadInput
+    from fogreduce.progress import progress
     from fogreduce.stages import run as stages
     from fogreduce.stages.setup import Setup
 

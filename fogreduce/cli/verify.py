@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise BadInput.at("--expect", "", found=expect, expected="64 hexadecimal digits in lower case")
     from fogreduce.archive.verify import listed, verify
     from fogreduce.archive.write import RECORD
-    from fogreduce.cli.progress import progress
+    from fogreduce.progress import progress
 
     with progress(sum(listed(arguments.bag).sizes.values()), "B") as told:
         found = verify(arguments.bag, expect, told)

@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from fogreduce.figures import parts, style
+from fogreduce.figures import parts
 from fogreduce.figures.envelope import thin_line
 from fogreduce.figures.results import Results
+from fogreduce.plotting import style
 from fogreduce.stages.angles import error_angle, measured_error_angle, residual_bins
 
 Array = NDArray[np.float64]

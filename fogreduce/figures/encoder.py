@@ -8,9 +8,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from fogreduce.datasets.logs import TableLog
-from fogreduce.figures import style
 from fogreduce.figures.envelope import bulk_range, thin_line
 from fogreduce.figures.results import Results
+from fogreduce.plotting import style
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from fogreduce.figures import style
+from fogreduce.plotting import style
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
-from fogreduce.figures import style
 from fogreduce.figures.results import Results
+from fogreduce.plotting import style
 
 _ROW = 0.27  # inches a bar
 

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fogreduce.figures import style
 from fogreduce.figures.space import View, arc, arrow, between, blank
 from fogreduce.physics.earth_rate import earth_rate_enu
 from fogreduce.physics.frames import rotation, unit_from_enu
+from fogreduce.plotting import style
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fogreduce.figures import style
 from fogreduce.figures.space import View, arc, arrow, between, blank
 from fogreduce.physics.alignment import gyro_axes
+from fogreduce.plotting import style
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fogreduce.figures import parts, style
+from fogreduce.figures import parts
 from fogreduce.figures.envelope import bulk_range, draw_band, mark_beyond
 from fogreduce.figures.results import Results
+from fogreduce.plotting import style
 from fogreduce.stages.angles import fitted_curve
 
 

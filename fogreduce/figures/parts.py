@@ -12,9 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from fogreduce.figures import style
 from fogreduce.figures.results import Results
 from fogreduce.physics.raw_quantity import RawUnit
+from fogreduce.plotting import style
 from fogreduce.stages.angles import channel_of
 
 Array = NDArray[np.float64]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from fogreduce.figures import parts, rates, style
+from fogreduce.figures import parts, rates
 from fogreduce.figures.results import Results
+from fogreduce.plotting import style
 from fogreduce.stages.angles import error_angle
 
 

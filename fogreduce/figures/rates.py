@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from fogreduce.figures import parts, style
+from fogreduce.figures import parts
 from fogreduce.figures.envelope import bulk_range, draw_band, mark_beyond
 from fogreduce.figures.results import Results
+from fogreduce.plotting import style
 from fogreduce.stages.angles import fitted_curve
 from fogreduce.stages.drift import adjusted_curve
 

@@ -10,9 +10,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
-from fogreduce.figures import parts, style
+from fogreduce.figures import parts
 from fogreduce.figures.envelope import bulk_range, columns_of, draw_band, mark_beyond
 from fogreduce.figures.results import Family, Results
+from fogreduce.plotting import style
 from fogreduce.stages.angles import channel_of, residual_bins
 
 Array = NDArray[np.float64]

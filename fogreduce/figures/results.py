@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fogreduce.errors import BadInput
 from fogreduce.figures.envelope import Columns, columns_of
-from fogreduce.figures.style import Identity
+from fogreduce.plotting.style import Identity
 from fogreduce.stages.dataset import StageDataset
 from fogreduce.stages.files import read_json
 from fogreduce.stages.read_tables import read_rows

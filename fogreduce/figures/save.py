@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from fogreduce.datasets.atomic import whole_file, write_text
 from fogreduce.figures import FORMATS
 from fogreduce.figures.catalogue import Plan
-from fogreduce.figures.style import Identity, style
+from fogreduce.plotting.style import Identity, style
 
 INDEX = "index.json"
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from fogreduce.datasets.logs import TemperatureLog
-from fogreduce.figures import parts, style
+from fogreduce.figures import parts
 from fogreduce.figures.envelope import thin_line
 from fogreduce.figures.results import Results
+from fogreduce.plotting import style
 
 
 def draw(results: Results, log: TemperatureLog) -> Figure:

@@ -48,7 +48,7 @@ class Diagnosed:
 
     def plot(self) -> Figure:
         """Probability of each cause, and of its group where it is not told from rivals."""
-        from fogreduce.figures import style
+        from fogreduce.plotting import style
 
         causes = self.document["causes"]
         label = load_campaign(self.campaign).label or ""

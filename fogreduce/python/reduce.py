@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fogreduce.cli.raw import refuse_raw
-from fogreduce.cli.reduce import reduce_into
-from fogreduce.cli.warnings import summary_line
 from fogreduce.errors import BadInput
+from fogreduce.metadata.raw_folder import refuse_raw
 from fogreduce.provenance.manifest import manifest
 from fogreduce.stages.read_tables import COLUMNS, read_rows
+from fogreduce.stages.reduce_into import reduce_into
 from fogreduce.stages.setup import Setup
+from fogreduce.stages.summary_line import summary_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,7 +73,7 @@ class Reduction:
         """A figure by its name: ``rates``, ``angles``, ``residuals_axes`` and others."""
         from fogreduce.figures.catalogue import plan
         from fogreduce.figures.results import Results
-        from fogreduce.figures.style import style
+        from fogreduce.plotting.style import style
 
         drawn = plan(Results.read(self.out), self.run).drawn
         if figure not in drawn:

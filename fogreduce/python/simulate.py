@@ -69,7 +69,7 @@ class Simulation:
 
     def plot(self, run_id: str | None = None) -> Figure:
         """Raw readings of a run, each gyro in a panel, in means of neighbouring records."""
-        from fogreduce.figures import style
+        from fogreduce.plotting import style
 
         readings = self.open(run_id)
         size = max(1, readings.sizes["time"] // _POINTS)

@@ -18,7 +18,7 @@ import socket
 import struct
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,9 +63,12 @@ class Server:
     ----------
     folder : Path
         Private folder, in which the socket is made.
+    command : callable
+        Runs a command line; its exit status.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, command: Callable[[list[str]], int]) -> None:
+        self._command = command
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._listener.bind(str(folder / SOCKET))
         self._listener.listen(512)
@@ -198,7 +201,7 @@ class Server:
                 job.connection.close()
             for number, stream in enumerate(streams):
                 os.dup2(stream, number)
-            status = _command(fields)
+            status = _run(fields, self._command)
         except BaseException:
             import traceback
 
@@ -240,10 +243,8 @@ def _request(connection: socket.socket) -> tuple[list[bytes], list[int], bool]:
     return data[8:end].split(b"\0"), streams, len(data) > end
 
 
-def _command(fields: list[bytes]) -> int:
+def _run(fields: list[bytes], command: Callable[[list[str]], int]) -> int:
     """Run a request's command in this process; its exit status."""
-    from fogreduce.cli.main import main
-
     count = int(fields[0])
     words = [os.fsdecode(word) for word in fields[1 : 1 + count]]
     folder, mask = fields[1 + count : 3 + count]
@@ -260,6 +261,6 @@ def _command(fields: list[bytes]) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        return main(words)
+        return command(words)
     except SystemExit as end:  # argparse
         return end.code if isinstance(end.code, int) else 1

@@ -8,8 +8,8 @@ import time
 import pytest
 
 from fogreduce.cli.main import main
-from fogreduce.cli.progress import steps
 from fogreduce.cli.stage import STAGES
+from fogreduce.progress import steps
 
 #: As tqdm has it: done, whole, time since the start, time left.
 TIME_LEFT = re.compile(r"/[0-9.]+k? *\w* *\[[0-9:]+<[0-9:]+")
@@ -26,7 +26,7 @@ class Terminal(io.StringIO):
 @pytest.fixture(params=[True, False], ids=["terminal", "piped"])
 def said(request, monkeypatch):
     """Calls a command that takes no time as if it took two seconds; what it said on standard error."""
-    monkeypatch.setattr("fogreduce.cli.progress._SILENT_S", 0.0)
+    monkeypatch.setattr("fogreduce.progress._SILENT_S", 0.0)
     monkeypatch.setenv("TQDM_MININTERVAL", "0")
 
     def call(arguments):
@@ -65,8 +65,8 @@ def test_each_stage(small_lab, said, capsys):
 
 def test_steps_are_named_while_they_last(monkeypatch):
     """A step of a diagnosis tells nothing of itself until it ends: the bar names it all the same."""
-    monkeypatch.setattr("fogreduce.cli.progress._SILENT_S", 0.0)
-    monkeypatch.setattr("fogreduce.cli.progress._TICK_S", 0.001)
+    monkeypatch.setattr("fogreduce.progress._SILENT_S", 0.0)
+    monkeypatch.setattr("fogreduce.progress._TICK_S", 0.001)
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
     with steps(("reading", "search")) as told:

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fogreduce.figures import gyro_raw, style
+from fogreduce.figures import gyro_raw
 from fogreduce.figures.envelope import MOST_COLUMNS, bulk_range, columns_of, thin_line
+from fogreduce.plotting import style
 
 from .conftest import SPIKES
 

@@ -23,9 +23,9 @@ from fogreduce.figures import (
     published_drift,
     rates,
     residuals,
-    style,
 )
 from fogreduce.figures.catalogue import STEMS, plan
+from fogreduce.plotting import style
 
 ROOT = Path(__file__).parents[2]
 BINS = ("mean", "lowest", "highest", "count")

@@ -82,7 +82,7 @@ def test_a_stage_uses_the_physics_that_it_imports_and_no_other() -> None:
 def test_modules_imported_late_or_named_in_a_table_are_used() -> None:
     used = modules_used("fogreduce.datasets.readers")
     assert "datasets/readers/fogcap.py" in used
-    assert "figures/style.py" in modules_used("fogreduce.cli.figures")
+    assert "plotting/style.py" in modules_used("fogreduce.cli.figures")
 
 
 def test_a_module_that_is_not_there_is_an_error() -> None:

@@ -34,7 +34,7 @@ if sys.argv[1] != "server":
     sys.exit(7)
 from fogreduce.warm import serve
 serve.ALWAYS = ()
-def command(fields):
+def command(words):
     try:
         print(os.getpid(), flush=True)
         time.sleep(600)
@@ -42,11 +42,7 @@ def command(fields):
         print("stopped", flush=True)
         return 1
     return 0
-def wait(fields):
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    return command(fields)
-serve._command = wait
-serve.Server(Path(sys.argv[2])).run()
+serve.Server(Path(sys.argv[2]), command).run()
 """
 
 

@@ -39,7 +39,7 @@ rule allan:
         code=code_digest(
             "fogreduce.characterise.allan_run",
             "fogreduce.characterise.allan_tables",
-            "fogreduce.figures.allan",
+            "fogreduce.characterise.allan_figure",
         ),
         lock=LOCK,
         out=subpath(output[0], parent=True),
