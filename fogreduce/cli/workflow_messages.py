@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from fogreduce.cli.progress import progress
+from fogreduce.progress import progress
 
 _NOTHING = "Nothing to be done"
 #: What Snakemake says whenever a job has ended; of failed ones, the end says why.
