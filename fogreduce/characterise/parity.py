@@ -1,30 +1,41 @@
-"""Parity checks of a run: when a gyro fails, and what says which.
+"""Parity checks of runs: when a gyro fails, and what says which.
 
-Three checks, each with its share of the false alarms asked for:
+Four checks:
 
 - **level**: mean parity of a segment against what the record states (scale factor, bias, axes, turn-on bias)
   and noise. It sees what was wrong from the start: a dead gyro, a wrong scale factor.
 - **step**: a CUSUM on the parity's bins within a segment of constant rate. It sees a step of bias or scale
-  factor, and a gyro that gets stuck while the table turns.
+  factor.
 - **scatter**: a CUSUM on each gyro's scatter within the bins: a noise burst, an output that goes quiet.
+- **output**: a gyro whose readings stay the same or are missing over several bins in which others answer.
 
-With four gyros parity is one number, and says that a gyro failed but not which. What else says it: the
-scatter is of one gyro; a step is held against the motion that table and Earth give each gyro. A step that the
-table itself makes is none of parity's. Size against the bias instability that is known of each gyro (its
-history) tells little, since the four parity factors are nearly alike.
+Level and step have a chance of a false alarm, scatter and step the rate of them that is asked for. What says
+which gyro it is: `fogreduce.characterise.isolation`. A step that the table itself makes is none of parity's.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.noise import GyroNoise
 from fogreduce.calibrate.readings import Readings
-from fogreduce.characterise.cusum import Change, level_changes, scatter_changes
+from fogreduce.characterise.cusum import level_changes, scatter_changes
+from fogreduce.characterise.isolation import (
+    OWN_NOISE,
+    OWN_OUTPUT,
+    Evidence,
+    by_all_runs,
+    by_dynamics,
+    by_history,
+    by_known_motion,
+    by_own_noise,
+    isolated,
+)
 from fogreduce.characterise.run_length import level_limit
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.estimate.uncertainty import StatedErrors, gyro_departures
@@ -41,9 +52,9 @@ _WANDER = 3.0
 BURST, QUIET = 2.25, 0.25
 #: Chance of a false alarm of the level check, in a run.
 LEVEL_CHANCE = 1e-4
-#: Share of the hypotheses at which a gyro counts as isolated.
-_CLEAR = 0.99
 _FEWEST = 8
+#: Bins in a row without a reading, of a gyro while others answer, that are no chance loss.
+_SILENT = 2
 
 
 @dataclass(frozen=True)
@@ -52,30 +63,68 @@ class Alarm:
 
     Attributes
     ----------
+    run : str
     check : str
-        ``level``, ``step`` or ``scatter``.
+        ``level``, ``step``, ``scatter`` or ``output``.
     what : str
         In words.
     since_s, alarm_s : float
         From when on, and when it was noticed [s].
     size : float
-        Of a step or level: parity [deg/h]; of scatter: variance over the usual one.
-    gyro : int or None
-        The gyro, from 0, where something isolates it.
-    isolated_by : str
-        What isolates it; empty where nothing does.
-    odds : (n,) array
-        Probabilities of the gyros, equal beforehand.
+        Of a step or level: parity [deg/h]; of scatter: variance over the usual one; of an output: bins.
+    evidence : tuple of Evidence
+        Of each gyro.
     """
 
+    run: str
     check: str
     what: str
     since_s: float
     alarm_s: float
     size: float
-    gyro: int | None
-    isolated_by: str
-    odds: Array
+    evidence: tuple[Evidence, ...]
+
+    @property
+    def gyro(self) -> int | None:
+        """The gyro, from 0, where something isolates it."""
+        return isolated(self.evidence)[0]
+
+    @property
+    def isolated_by(self) -> str:
+        """What isolates it; empty where nothing does."""
+        return isolated(self.evidence)[1]
+
+
+@dataclass(frozen=True)
+class _Level:
+    """Mean parity of a segment: (n - 3,), its standard deviations, the mean motion [deg/s] (3,)."""
+
+    mean: Array
+    spread: Array
+    motion: Array
+
+
+def check_campaign(
+    readings: Sequence[Readings], noise: list[GyroNoise], false_alarms_per_hour: float = 0.01
+) -> list[Alarm]:
+    """All alarms of all runs; what is off from the start is held against every run together."""
+    if readings[0].facts.n_gyros < 4:
+        return []
+    alarms, levels = [], []
+    for one in readings:
+        stated = StatedErrors.of(one.run, one.record)
+        alarms += check_run(one, noise, stated, false_alarms_per_hour)
+        levels += [_level(one, noise, stated, inside)[0] for inside in _segments(one)]
+    rows = parity_vectors(readings[0].facts.axes)
+    if len(rows) > 1 or not any(alarm.check == "level" for alarm in alarms):
+        return alarms
+    mean, spread = (np.array([getattr(one, name)[0] for one in levels]) for name in ("mean", "spread"))
+    motion = np.array([one.motion for one in levels])
+    more = by_all_runs(mean, spread, motion, readings[0].facts.axes, rows[0])
+    return [
+        replace(alarm, evidence=(*alarm.evidence, more)) if alarm.check == "level" else alarm
+        for alarm in alarms
+    ]
 
 
 def check_run(
@@ -98,13 +147,18 @@ def check_run(
     shares = (n - 3) + 2 * n
     samples = SECONDS_PER_HOUR / one.bin_s / (false_alarms_per_hour / shares)
     alarms: list[Alarm] = []
-    for k in np.unique(one.segment).tolist():
-        inside = np.flatnonzero((one.segment == k) & np.isfinite(one.raw).all(axis=0))
-        if inside.size >= _FEWEST:
-            alarms += _levels(one, noise, stated, inside)
-            alarms += _steps(one, noise, inside, samples)
-    alarms += _scatters(one, samples)
+    for inside in _segments(one):
+        alarms += _levels(one, noise, stated, inside)
+        alarms += _steps(one, noise, stated, inside, samples)
+    alarms += _scatters(one, samples) + _outputs(one)
     return sorted(alarms, key=lambda alarm: alarm.alarm_s)
+
+
+def _segments(one: Readings) -> list[NDArray[np.intp]]:
+    """Bins of each segment in which all gyros answer, where they are enough."""
+    whole = np.isfinite(one.raw).all(axis=0)
+    found = [np.flatnonzero((one.segment == k) & whole) for k in np.unique(one.segment).tolist()]
+    return [inside for inside in found if inside.size >= _FEWEST]
 
 
 def residual_rates(one: Readings) -> Array:
@@ -123,82 +177,93 @@ def bin_sigma(one: Readings, noise: list[GyroNoise]) -> Array:
     return found
 
 
-def _levels(
+def _level(
     one: Readings, noise: list[GyroNoise], stated: StatedErrors, inside: NDArray[np.intp]
-) -> list[Alarm]:
-    """The mean parity of a segment against what is stated."""
+) -> tuple[_Level, Array, Array]:
+    """Mean parity of a segment, what is stated of it (covariance), and the variance of each gyro's mean."""
     rows = parity_vectors(one.facts.axes)
     mean = rows @ residual_rates(one)[:, inside].mean(axis=1)
     departures = gyro_departures(one.facts, stated, one.time_s[inside]).mean(axis=2) * SECONDS_PER_HOUR
-    allowed = rows @ departures.T @ departures @ rows.T
     sigma = bin_sigma(one, noise)[:, inside].mean(axis=1)
     flicker = np.array([each.flicker_deg_h for each in noise])
     # Flicker's mean over a run is its variance from 1e-5 Hz to the run's length.
     octaves = max(math.log(1e5 / (inside.size * one.bin_s)), 1.0) / math.pi
-    allowed += rows @ np.diag(sigma**2 / inside.size + flicker**2 * octaves) @ rows.T
-    square = float(mean @ np.linalg.solve(allowed, mean))
-    if log_chi2_tail(square, len(rows)) > math.log(LEVEL_CHANCE / max(1, int(one.segment[-1]) + 1)):
+    of_noise = sigma**2 / inside.size + flicker**2 * octaves
+    allowed = rows @ (departures.T @ departures + np.diag(of_noise)) @ rows.T
+    level = _Level(mean, np.sqrt(np.diag(allowed)), one.motion[:, inside].mean(axis=1))
+    return level, allowed, np.diag(departures.T @ departures) + of_noise
+
+
+def _levels(
+    one: Readings, noise: list[GyroNoise], stated: StatedErrors, inside: NDArray[np.intp]
+) -> list[Alarm]:
+    """The mean parity of a segment against what is stated."""
+    level, allowed, spread = _level(one, noise, stated, inside)
+    square = float(level.mean @ np.linalg.solve(allowed, level.mean))
+    chance = LEVEL_CHANCE / max(1, int(one.segment[-1]) + 1)
+    if log_chi2_tail(square, len(level.mean)) > math.log(chance):
         return []
-    spread = np.diag(departures.T @ departures) + sigma**2 / inside.size + flicker**2 * octaves
-    gyro, by, odds = _isolated(residual_rates(one)[:, inside].mean(axis=1), spread)
+    evidence = by_known_motion(residual_rates(one)[:, inside].mean(axis=1), spread)
     what = "parity is off from the start: a bias, a scale factor, an axis, or a dead gyro"
     start, stop = float(one.time_s[inside[0]]), float(one.time_s[inside[-1]])
-    return [Alarm("level", what, start, stop, float(np.linalg.norm(mean)), gyro, by, odds)]
+    size = float(np.linalg.norm(level.mean))
+    return [Alarm(one.facts.run_id, "level", what, start, stop, size, (evidence,))]
 
 
-def _steps(one: Readings, noise: list[GyroNoise], inside: NDArray[np.intp], samples: float) -> list[Alarm]:
+def _steps(
+    one: Readings, noise: list[GyroNoise], stated: StatedErrors, inside: NDArray[np.intp], samples: float
+) -> list[Alarm]:
     """Steps of the parity within a segment."""
-    rows = parity_vectors(one.facts.axes)
-    residual, sigma = residual_rates(one)[:, inside], bin_sigma(one, noise)[:, inside]
+    residual, sigma = residual_rates(one), bin_sigma(one, noise)
     flicker = np.array([each.flicker_deg_h for each in noise])
+    usual = np.array(stated.turn_on_bias_deg_h, float)
     alarms = []
-    for row in rows:
-        spread = np.sqrt(row**2 @ sigma**2)
+    for row in parity_vectors(one.facts.axes):
+        spread = np.sqrt(row**2 @ sigma[:, inside] ** 2)
         wander = _WANDER * math.sqrt(row**2 @ flicker**2) / float(np.median(spread))
         allowance = SHIFT / 2 + wander
         limit = level_limit(samples, allowance)
-        changes = level_changes(row @ residual, spread, limit, allowance)
+        changes = level_changes(row @ residual[:, inside], spread, limit, allowance)
         for k, change in enumerate(changes):
-            begun = changes[k - 1].start if k else 0
-            ended = changes[k + 1].start if k + 1 < len(changes) else inside.size
-            alarms.append(_step(one, change, residual, sigma, inside, (begun, ended)))
+            begun = inside[changes[k - 1].start if k else 0]
+            ended = inside[changes[k + 1].start - 1 if k + 1 < len(changes) else -1] + 1
+            start = int(inside[change.start])
+            parts = slice(int(begun), start), slice(start, int(ended))
+            evidence = [
+                _of_motion(residual, sigma, parts),
+                by_own_noise(one.scatter, one.count, *parts),
+                _of_dynamics(one, row, residual, sigma, start),
+                by_history(change.size, row, usual),
+            ]
+            what = "parity steps: a bias or a scale factor changed"
+            since, noticed = float(one.time_s[start]), float(one.time_s[inside[change.alarm]])
+            known = tuple(each for each in evidence if each is not None)
+            alarms.append(Alarm(one.facts.run_id, "step", what, since, noticed, change.size, known))
     return alarms
 
 
-def _step(
-    one: Readings,
-    change: Change,
-    residual: Array,
-    sigma: Array,
-    inside: NDArray[np.intp],
-    span: tuple[int, int],
-) -> Alarm:
-    """A step, and the gyro whose step it is by the known motion."""
-    before, after = slice(span[0], change.start), slice(change.start, span[1])
-    step = residual[:, after].mean(axis=1) - residual[:, before].mean(axis=1)
-    variance = sum((sigma[:, part] ** 2).mean(axis=1) / sigma[:, part].shape[1] for part in (before, after))
-    gyro, by, odds = _isolated(step, np.asarray(variance))
-    what = "parity steps: a bias or a scale factor changed, or an output got stuck"
-    times = one.time_s[inside]
-    since, noticed = float(times[change.start]), float(times[change.alarm])
-    return Alarm("step", what, since, noticed, change.size, gyro, by, odds)
+def _of_motion(residual: Array, sigma: Array, parts: tuple[slice, slice]) -> Evidence:
+    """The step of each gyro beyond the known motion."""
+    means, variances = [], []
+    for part in parts:
+        there = np.isfinite(residual[:, part])
+        many = np.maximum(there.sum(axis=1), 1)
+        means.append(np.where(there, residual[:, part], 0.0).sum(axis=1) / many)
+        variances.append(np.where(there, sigma[:, part] ** 2, 0.0).sum(axis=1) / many**2)
+    return by_known_motion(means[1] - means[0], variances[0] + variances[1])
 
 
-def _isolated(off: Array, variance: Array) -> tuple[int | None, str, Array]:
-    """The gyro that is off, by what each reads beyond the known motion.
-
-    Parameters
-    ----------
-    off, variance : (n,) arrays
-        Readings beyond the motion, and their variances.
-    """
-    explained = off**2 / variance / 2
-    odds = np.exp(explained - explained.max())
-    odds /= odds.sum()
-    best = int(np.argmax(odds))
-    if odds[best] < _CLEAR:
-        return None, "", odds
-    return best, "the known motion of the table", odds
+def _of_dynamics(one: Readings, row: Array, residual: Array, sigma: Array, start: int) -> Evidence:
+    """Whether the step follows the rate, over all segments of the run."""
+    facts = one.facts
+    whole = np.isfinite(residual).all(axis=0)
+    return by_dynamics(
+        row @ residual[:, whole],
+        np.sqrt(row**2 @ sigma[:, whole] ** 2),
+        facts.profile.rate_deg_s[one.segment[whole]],
+        np.arange(whole.size)[whole] >= start,
+        row * (facts.axes @ facts.commanded_signs),
+    )
 
 
 def _scatters(one: Readings, samples: float) -> list[Alarm]:
@@ -210,13 +275,31 @@ def _scatters(one: Readings, samples: float) -> list[Alarm]:
         if there.size < _FEWEST:
             continue
         variance, freedom = one.scatter[i, there] ** 2, one.count[i, there] - 1
-        odds = np.eye(n)[i]
+        evidence = (Evidence(OWN_NOISE, np.eye(n)[i]),)
         for what, changes in zip(
-            ("the output goes quiet: stuck, or its noise is gone", "a noise burst"),
+            ("the output goes quiet: its noise is gone", "a noise burst"),
             scatter_changes(variance, freedom, (QUIET, BURST), samples),
             strict=True,
         ):
             for change in changes:
                 times = float(one.time_s[there[change.start]]), float(one.time_s[there[change.alarm]])
-                alarms.append(Alarm("scatter", what, *times, change.size, i, "its own scatter", odds))
+                alarms.append(Alarm(one.facts.run_id, "scatter", what, *times, change.size, evidence))
+    return alarms
+
+
+def _outputs(one: Readings) -> list[Alarm]:
+    """Gyros that give nothing of use over several bins while another answers."""
+    n, alarms = one.facts.n_gyros, []
+    there = np.isfinite(one.raw)
+    for i in range(n):
+        silent = np.concatenate(([False], ~there[i] & there.any(axis=0), [False]))
+        edges = np.flatnonzero(np.diff(silent.astype(np.int8)))
+        for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            if stop - start >= _SILENT:
+                since, noticed = (float(one.time_s[k]) for k in (start, start + _SILENT - 1))
+                what = "the output is stuck or missing"
+                evidence = (Evidence(OWN_OUTPUT, np.eye(n)[i]),)
+                alarms.append(
+                    Alarm(one.facts.run_id, "output", what, since, noticed, float(stop - start), evidence)
+                )
     return alarms

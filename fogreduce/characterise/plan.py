@@ -109,11 +109,22 @@ def expected_quantities(
     runs: list[Run], record: CalibrationRecord, choices: Definitions, generator: np.random.Generator
 ) -> list[Quantity]:
     """The quantities of one campaign drawn from the record."""
-    return quantities_of(derive_from([_drawn(run, record, generator) for run in runs]), choices)
+    return quantities_of(derive_from([drawn_readings(run, record, generator) for run in runs]), choices)
 
 
-def _drawn(run: Run, record: CalibrationRecord, generator: np.random.Generator) -> Readings:
-    """A run's bins: the motion as planned, turn-on biases and noise as the record states them."""
+def drawn_readings(run: Run, record: CalibrationRecord, generator: np.random.Generator) -> Readings:
+    """A run's bins: the motion as planned, turn-on biases and noise as the record states them.
+
+    Parameters
+    ----------
+    run, record, generator
+        Run, calibration record, and where all draws come from.
+
+    Returns
+    -------
+    Readings
+        Their scatter within bins is what it is on average.
+    """
     facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
     size = records_in_bin(facts)
     bin_s = size / facts.sample_rate_hz

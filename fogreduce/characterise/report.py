@@ -13,11 +13,10 @@ from fogreduce.characterise.axes import same_turns
 from fogreduce.characterise.definitions import DEFINITIONS, Definitions
 from fogreduce.characterise.left_out import each_left_out
 from fogreduce.characterise.limits import Limits, verdict
-from fogreduce.characterise.parity import Alarm, check_run, residual_rates
+from fogreduce.characterise.parity import Alarm, check_campaign, residual_rates
 from fogreduce.characterise.quantities import quantities_of
 from fogreduce.characterise.quantity import Quantity
 from fogreduce.characterise.temperature import steady_windows
-from fogreduce.estimate.uncertainty import StatedErrors
 from fogreduce.provenance.digest import file_digest
 
 SCHEMA = "fogreduce/report/1"
@@ -111,25 +110,19 @@ def _left_out(found: Derivation) -> list[dict[str, Any]]:
 
 
 def _parity(found: Derivation, choices: Definitions) -> dict[str, Any]:
-    alarms = []
-    for one in found.readings:
-        stated = StatedErrors.of(one.run, one.record)
-        alarms += [
-            _alarm(one.facts.run_id, alarm)
-            for alarm in check_run(one, found.noise, stated, choices.false_alarms_per_hour)
-        ]
     hours = math.fsum(one.facts.profile.end_s for one in found.readings) / 3600
+    alarms = check_campaign(found.readings, found.noise, choices.false_alarms_per_hour)
     return {
         "checked": found.readings[0].facts.n_gyros >= 4,
         "hours": hours,
         "false_alarms_expected": hours * choices.false_alarms_per_hour,
-        "alarms": alarms,
+        "alarms": [_alarm(alarm) for alarm in alarms],
     }
 
 
-def _alarm(run: str, alarm: Alarm) -> dict[str, Any]:
+def _alarm(alarm: Alarm) -> dict[str, Any]:
     return {
-        "run": run,
+        "run": alarm.run,
         "check": alarm.check,
         "what": alarm.what,
         "since_s": alarm.since_s,
@@ -137,7 +130,7 @@ def _alarm(run: str, alarm: Alarm) -> dict[str, Any]:
         "size": alarm.size,
         "gyro": None if alarm.gyro is None else f"gyro{alarm.gyro + 1}",
         "isolated_by": alarm.isolated_by,
-        "odds": alarm.odds.tolist(),
+        "evidence": [{"by": one.by, "odds": one.odds.tolist(), "says": one.says} for one in alarm.evidence],
     }
 
 

@@ -146,8 +146,9 @@ def _checks(paper: _Paper, document: rows.Document) -> None:
             f"{parity['false_alarms_expected']:.2g} false ones are to be expected."
         )
         if parity["alarms"]:
-            columns = ("run", "check", "what", "since [s]", "noticed [s]", "size", "gyro")
-            paper.table(columns, (0.12, 0.07, 0.35, 0.08, 0.09, 0.09, 0.2), rows.alarms(document))
+            columns = ("run", "check", "what", "since [s]", "noticed [s]", "size", "gyro", "evidence")
+            widths = (0.12, 0.06, 0.2, 0.07, 0.08, 0.07, 0.15, 0.25)
+            paper.table(columns, widths, rows.alarms(document))
     for turn in turn_rows(document):
         paper.heading("The same turn about other axes")
         paper.text(turn["profile"] + ": drift [deg/h] ± error of white noise")

@@ -7,9 +7,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fogreduce.characterise.definitions import DEFINITIONS
+from fogreduce.characterise.isolation import CLEAR
 from fogreduce.pages.numbers import number, plus_minus
 
 Document = Mapping[str, Any]
+
+_EVEN = 0.01  # odds that differ by less are alike
 
 
 def footnotes(document: Document) -> dict[str, int]:
@@ -82,9 +85,20 @@ def alarms(document: Document) -> list[list[str]]:
             number(one["alarm_s"]),
             number(one["size"], 3),
             f"{one['gyro']}, by {one['isolated_by']}" if one["gyro"] else "not isolated",
+            "; ".join(map(_evidence, one["evidence"])),
         ]
         for one in document["parity"]["alarms"]
     ]
+
+
+def _evidence(one: Mapping[str, Any]) -> str:
+    """What a piece of evidence says, and its odds where they differ."""
+    odds, says = one["odds"], one["says"]
+    if max(odds) >= CLEAR:
+        says = f"gyro{odds.index(max(odds)) + 1}" + (f", {says}" if says else "")
+    elif max(odds) - min(odds) > _EVEN:
+        says += (", " if says else "") + "odds " + " : ".join(f"{part:.2g}" for part in odds)
+    return f"{one['by']}: {says or 'nothing'}"
 
 
 def definition_rows(document: Document) -> list[tuple[int, str, str, str]]:

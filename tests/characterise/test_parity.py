@@ -35,7 +35,7 @@ def test_a_step_is_found_in_time_and_the_known_motion_says_which_gyro(bench, gyr
     assert step.since_s == pytest.approx(40.0, abs=3.0)
     assert step.alarm_s - 40.0 < 15.0
     assert step.gyro == gyro - 1
-    assert step.isolated_by == "the known motion of the table"
+    assert step.isolated_by == "known motion"
 
 
 def test_a_wrong_scale_factor_shows_from_the_start(bench) -> None:
