@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-_BUILDERS = str(ROOT / "docs" / "make")
-if _BUILDERS not in sys.path:
-    sys.path.insert(0, _BUILDERS)
-
-from published_diagnosis import (  # noqa: E402
+from published_diagnosis import (
     FIELD,
     FIGURE,
     OFFSET,
@@ -27,6 +20,8 @@ from published_diagnosis import (  # noqa: E402
     text,
     together,
 )
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")

@@ -5,11 +5,10 @@ from __future__ import annotations
 import csv
 import dataclasses
 import math
-from pathlib import Path
 
 import numpy as np
+import published_drift
 import pytest
-import yaml
 from matplotlib.figure import Figure
 
 from fogreduce.figures import (
@@ -17,17 +16,13 @@ from fogreduce.figures import (
     angles,
     encoder,
     flags,
-    frames,
-    gyro_axes,
     gyro_raw,
-    published_drift,
     rates,
     residuals,
 )
 from fogreduce.figures.catalogue import STEMS, plan
 from fogreduce.plotting import style
 
-ROOT = Path(__file__).parents[2]
 BINS = ("mean", "lowest", "highest", "count")
 LABEL = "made up for a test"
 
@@ -253,17 +248,6 @@ def test_a_capture_that_ends_early_has_no_curve_beyond_its_end(results):
     for axes in gyro_raw.draw(changed).axes:
         time_s, _ = line(axes, style.CURVE)
         assert time_s.max() <= cut["time_s"][-1] + run.bin_s
-
-
-def test_pictures_of_the_docs():
-    record = yaml.safe_load((ROOT / "calibrations" / "TETRA-01" / "2012a.yaml").read_text())
-    projection = np.array(record["H"], float)
-    said = {text.get_text() for axes in gyro_axes.draw(projection, "TETRA-01").axes for text in axes.texts}
-    # cos of the angle from x is the first column of the pseudo-inverse: 54.74 deg but for half a degree
-    angles_deg = np.degrees(np.arccos(np.linalg.pinv(projection)[:, 0]))
-    assert {f"gyro{k + 1}: {angle:.2f} deg" for k, angle in enumerate(angles_deg)} <= said
-    names = {text.get_text() for axes in frames.draw().axes for text in axes.texts}
-    assert {"east", "north", "up", "x", "y", "z", "alpha", "latitude"} <= names
 
 
 def test_picture_of_the_readme_carries_the_label(results):

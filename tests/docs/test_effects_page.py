@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from effects_page import page
+
 from fogreduce.effects.table import EFFECTS
-from fogreduce.simulate.effects_page import page
 
 DOCS = Path(__file__).parents[2] / "docs"
 
 
 def test_the_page_is_in_sync_with_the_table() -> None:
-    """If not: python -m fogreduce.simulate.effects_page docs."""
+    """If not: python docs/make/effects_page.py docs."""
     assert (DOCS / "effects.md").read_text(encoding="utf-8") == page()
 
 

@@ -1,6 +1,6 @@
 """A made-up temperature log of a unit that warms up: how the bundled campaigns' logs were made.
 
-``python -m fogreduce.simulate.temperature_log CAMPAIGN SEED`` writes the log of every run of a campaign. The
+``python docs/make/temperature_log.py CAMPAIGN SEED`` writes the log of every run of a campaign. The
 logs are inputs and kept; this is here so that it can be seen where they come from.
 """
 
