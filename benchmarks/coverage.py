@@ -3,9 +3,10 @@
 ``noise``: drifts of units of four gyros, each noise by itself, 300 s and 6000 s, with a record that states it
 and with one that is silent. The bins are simulated directly.
 
-``combined``: whole runs by the simulator, the truth drawn from what is stated (GUM-S1: the Monte Carlo that
-linear propagation is held against), fitted and budgeted as a reduction does: drift, parameters of the curves,
-mean rates, within their expanded uncertainties.
+``combined``: whole runs, the truth drawn from what is stated (GUM-S1: the Monte Carlo that linear propagation
+is held against), fitted and budgeted as a reduction does: drift, parameters of the curves, mean rates, within
+their expanded uncertainties. The runs are the simulator's or, with ``--by withheld``, those of the withheld
+bench's injector, which shares no code with it.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import argparse
 import math
 import time
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from measure import CALIBRATIONS, REPOSITORY, machine
@@ -31,7 +32,10 @@ from fogreduce.estimate.noise_grid import NoiseGrid, likelihood
 from fogreduce.estimate.noise_posterior import posteriors
 from fogreduce.estimate.propagation import coverage_factor
 from fogreduce.estimate.uncertainty import StatedErrors
+from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.folder import load_calibration, load_run
+from fogreduce.metadata.run import Run
 from fogreduce.physics.earth_rate import remove_earth_rate
 from fogreduce.physics.noise import flicker_covariance
 from fogreduce.physics.scale_factor import rate_from_raw
@@ -42,8 +46,14 @@ from fogreduce.simulate.plan import facts_of
 from fogreduce.stages.budget import Budget, budget_of
 from fogreduce.stages.fit import Fit
 from fogreduce.stages.fit_report import as_plain
+from withheld.chain.campaign import Campaign
+from withheld.chain.campaign import run_from as withheld_run
+from withheld.chain.campaign import unit_from as withheld_unit
+from withheld.chain.injector import World, realistic_world, run_counts
 
 Array = NDArray[np.float64]
+#: Times [s] (N,) and readings [raw unit] (n, N) of a run as its capture has them.
+Capture = tuple[Array, Array]
 
 GYROS = 4
 #: Angle random walk of the published unit [deg/sqrt(h)], about.
@@ -104,9 +114,43 @@ def noise_study(units: int, seed: int) -> None:
                 print(f"{said} covered {covered:5.1f} %  mean error / actual {ratio:.2f}", flush=True)
 
 
-def budgets(run_id: str, noise: tuple[float, float], runs: int, seed: int) -> Iterator[tuple[Budget, Budget]]:
-    """Of simulated runs: the budget of each, and that of the same run without noise, whose raw curves are the
-    truth of the gyros' fits.
+def simulated(run: Run, record: CalibrationRecord, facts: RunFacts, seed: int) -> Iterator[Capture]:
+    """A run by the simulator, with noise and without, truth drawn from what is stated."""
+    drawn = select(draw_uncertainties([run], record, facts.axes, seed), [run.run_id], GYROS, "drawn")
+    coefficients = NoiseCoefficients.of(record.stated_noise.model_dump())
+    for forward in (
+        ForwardRun(facts, coefficients, actions=drawn, seed=seed),
+        ForwardRun(facts, actions=drawn, seed=seed),
+    ):
+        blocks = list(forward.blocks())
+        counts = np.hstack([block.counts for block in blocks])
+        time_s = np.concatenate([block.time_us for block in blocks]) / MICROSECONDS_PER_SECOND
+        yield time_s, counts * facts.least_count
+
+
+def injected(run: Run, record: CalibrationRecord, facts: RunFacts, seed: int) -> Iterator[Capture]:
+    """The same by the withheld injector; its noise is of the size that the record states."""
+    plain = record.model_dump(mode="json")
+    plain["noise"] = record.stated_noise.model_dump()
+    plain["uncertainty"] = record.stated_uncertainty.model_dump()
+    one = withheld_run(run.model_dump(mode="json", by_alias=True))
+    drawn = realistic_world(Campaign("coverage", withheld_unit(plain), (one,)), (), seed, noise_level_rel=0.0)
+    for noisy in (True, False):
+        stamps_us, counts = run_counts(World(drawn.campaign, drawn.truth, (), drawn.heat, seed, noisy), one)
+        yield stamps_us / MICROSECONDS_PER_SECOND, counts.T * facts.least_count
+
+
+MAKERS: dict[str, Callable[[Run, CalibrationRecord, RunFacts, int], Iterator[Capture]]] = {
+    "simulator": simulated,
+    "withheld": injected,
+}
+
+
+def budgets(
+    run_id: str, noise: tuple[float, float], runs: int, seed: int, by: str
+) -> Iterator[tuple[Budget, Budget]]:
+    """Of runs: the budget of each, and that of the same run without noise, whose raw curves are the truth of
+    the gyros' fits.
     """
     run = load_run(REPOSITORY / "campaigns/three-axes/runs" / run_id, need_capture=False)
     capture = run.capture.model_copy(update={"sample_rate_hz": 2.0, "volts_per_count": 1e-9})
@@ -122,13 +166,8 @@ def budgets(run_id: str, noise: tuple[float, float], runs: int, seed: int) -> It
     record = record.model_copy(update={"noise": record.noise.model_copy(update=sizes)})
     facts, stated = facts_of(run, record), StatedErrors.of(run, record)
     gyros, axes = [f"gyro{i + 1}" for i in range(GYROS)], ["x", "y", "z"]
-    coefficients = NoiseCoefficients.of(record.stated_noise.model_dump())
 
-    def budget(forward: ForwardRun) -> Budget:
-        blocks = list(forward.blocks())
-        counts = np.hstack([block.counts for block in blocks])
-        time_s = np.concatenate([block.time_us for block in blocks]) / MICROSECONDS_PER_SECOND
-        raw = counts * facts.least_count
+    def budget(time_s: Array, raw: Array) -> Budget:
         rates = facts.projection @ rate_from_raw(raw, facts.scale_factor, facts.bias, facts.polarity)
         rates = remove_earth_rate(rates, facts.earth, facts.profile.angle_at(time_s))
         fit = Fit(facts, gyros + axes, time_s.size, 65536, stated, 0.5)
@@ -138,11 +177,8 @@ def budgets(run_id: str, noise: tuple[float, float], runs: int, seed: int) -> It
         return budget_of(facts, stated, plain, gyros, axes)
 
     for k in range(runs):
-        drawn = select(draw_uncertainties([run], record, facts.axes, seed + k), [run.run_id], GYROS, "drawn")
-        yield (
-            budget(ForwardRun(facts, coefficients, actions=drawn, seed=seed + k)),
-            budget(ForwardRun(facts, actions=drawn, seed=seed + k)),
-        )
+        noisy, quiet = (budget(*capture) for capture in MAKERS[by](run, record, facts, seed + k))
+        yield noisy, quiet
 
 
 def truth_of(commanded: float, duration_s: float, quantity: str) -> float:
@@ -150,12 +186,12 @@ def truth_of(commanded: float, duration_s: float, quantity: str) -> float:
     return {"a": commanded, "mean_rate": commanded, "integral": commanded * duration_s}.get(quantity, 0.0)
 
 
-def combined_study(runs: int, seed: int) -> None:
+def combined_study(runs: int, seed: int, by: str) -> None:
     """Print the coverage of combined uncertainties, noises and designs together and by noise."""
     designs = ("1-x-plus", "7-x-slow", "8-still")
     kinds = {name: KINDS[name] for name in ("white", "flicker 0.03", "walk 1")}
     each = math.ceil(runs / len(designs) / len(kinds))
-    print(f"combined, {each * len(designs) * len(kinds)} runs: {', '.join(designs)}, each noise")
+    print(f"combined, {each * len(designs) * len(kinds)} runs by the {by}: {', '.join(designs)}, each noise")
     within: dict[tuple[str, str], list[bool]] = defaultdict(list)
     for kind, noise in kinds.items():
         for design in designs:
@@ -163,7 +199,7 @@ def combined_study(runs: int, seed: int) -> None:
             record, _ = load_calibration(CALIBRATIONS, run.calibration)
             facts = facts_of(run, record)
             rate = facts.commanded_signs * facts.profile.rate_deg_s[0]
-            for found, quiet in budgets(design, noise, each, seed):
+            for found, quiet in budgets(design, noise, each, seed, by):
                 for (quantity, channel, _), value in found.values.items():
                     if channel in "xyz":
                         if quantity in ("b", "d", "accumulated_error"):
@@ -191,9 +227,13 @@ def main() -> None:
     parser.add_argument("study", choices=("noise", "combined"))
     parser.add_argument("--runs", type=int, default=200, help="units of each noise, or runs in all")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--by", choices=tuple(MAKERS), default="simulator", help="what makes combined runs")
     options = parser.parse_args()
     print(machine())
-    (noise_study if options.study == "noise" else combined_study)(options.runs, options.seed)
+    if options.study == "noise":
+        noise_study(options.runs, options.seed)
+    else:
+        combined_study(options.runs, options.seed, options.by)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import re
 import unicodedata
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -220,7 +220,7 @@ def runs_of_one_record(
             raise BadInput.at("--only-runs", "", found=name, expected="one of " + ", ".join(names))
     faults: list[Fault] = []
     found: list[T] = []
-    records = set()
+    of_record: dict[str, list[str]] = {}
     for folder in folders:
         if only and folder.name not in only:
             continue
@@ -229,19 +229,24 @@ def runs_of_one_record(
             record, _ = load_calibration(calibrations, run.calibration)
             cross_check(run, record, folder / "run.yaml")
             found.append(make(folder, run, record))
-            records.add(run.calibration)
+            of_record.setdefault(run.calibration, []).append(folder.name)
         except BadInput as error:
             faults += error.faults
     if faults:
         raise BadInput(*dict.fromkeys(faults))
-    if len(records) > 1:
-        raise BadInput.at(
-            campaign,
-            "calibration",
-            found="runs of " + " and ".join(sorted(records)),
-            expected="runs of one calibration record (choose with --only-runs)",
-        )
+    if len(of_record) > 1:
+        raise several_records(campaign, of_record)
     return found
+
+
+def several_records(campaign: Path, of_record: Mapping[str, Sequence[str]]) -> BadInput:
+    """That a campaign's runs name several calibration records where one is needed.
+
+    `of_record` has the ids of the runs that name each.
+    """
+    each = (f"{record} ({','.join(runs)})" for record, runs in sorted(of_record.items()))
+    expected = "runs of one calibration record (choose with --only-runs)"
+    return BadInput.at(campaign, "calibration", found="runs of " + " and of ".join(each), expected=expected)
 
 
 def _with_default_calibration(data: dict[str, object], run_dir: Path) -> dict[str, object]:

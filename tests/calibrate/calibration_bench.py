@@ -1,14 +1,22 @@
-"""A bench of short runs about three axes, both senses and at rest, simulated with what a test asks for."""
+"""A bench of short runs about three axes, both senses and at rest, simulated with what a test asks for.
+
+Also used by `benchmarks/derivation_pulls.py`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
+from numpy.typing import NDArray
 
+from fogreduce.calibrate.derive import Derivation
 from fogreduce.cli.main import main
+from fogreduce.constants import SECONDS_PER_HOUR
 
 _RECORD = {
     "schema": "fogreduce/calibration/1",
@@ -31,10 +39,14 @@ _RECORD = {
         "rate_random_walk_deg_h_sqrt_h": [0.0] * 4,
     },
 }
-_UP = {
+#: What stands up -> the unit's orientation.
+UP = {
     "x": {"x": "up", "z": "north"},
     "y": {"y": "up", "x": "north"},
     "z": {"z": "up", "y": "north"},
+    "-x": {"x": "down", "z": "north"},
+    "-y": {"y": "down", "x": "north"},
+    "-z": {"z": "down", "y": "north"},
 }
 #: Run -> axis and rate of the table [deg/s].
 DESIGN: dict[str, tuple[Any, ...]] = {
@@ -50,6 +62,67 @@ DESIGN: dict[str, tuple[Any, ...]] = {
 STEPS: dict[str, tuple[Any, ...]] = {f"{axis}-steps": (axis, 30.0, 10.0, -10.0, -30.0) for axis in "xyz"}
 
 
+@dataclass(frozen=True)
+class BenchRun:
+    """A run: what stands up (a key of `UP`; the table turns about it), rates [deg/s] and durations [s]."""
+
+    run_id: str
+    up: str
+    profile: Sequence[tuple[float, float]]
+    started_at: str = "2014-05-12T13:00:00Z"
+
+
+def write_plan(folder: Path, runs: Iterable[BenchRun]) -> None:
+    """The run.yaml of each run, without captures."""
+    for one in runs:
+        run = {
+            "schema": "fogreduce/run/1",
+            "run_id": one.run_id,
+            "unit": "UNIT",
+            "started_at": one.started_at,
+            "site": {"latitude_deg": 48.0},
+            "table": {
+                "axis": one.up[-1],
+                "profile": [{"rate_deg_s": rate, "duration_s": seconds} for rate, seconds in one.profile],
+            },
+            "orientation": UP[one.up],
+            "capture": {
+                "file": "capture.fogcap",
+                "format": "fogcap-1",
+                "sample_rate_hz": 16,
+                "volts_per_count": 1e-7,
+                "polarity": [1, -1, 1, 1],
+            },
+            "calibration": "UNIT@a",
+        }
+        (folder / "runs" / one.run_id).mkdir(parents=True)
+        (folder / "runs" / one.run_id / "run.yaml").write_text(yaml.safe_dump(run))
+
+
+def drawn_in(campaign: Path) -> list[dict[str, Any]]:
+    """What the simulator drew for a campaign."""
+    drawn: list[dict[str, Any]] = yaml.safe_load(
+        campaign.with_name(f"{campaign.name}.injected.yaml").read_text()
+    )["drawn"]
+    return drawn
+
+
+def errors(found: Derivation, drawn: Sequence[dict[str, Any]]) -> NDArray[np.float64]:
+    """Derived less true (4 n,), in the order of the covariance: bias, scale factor, axis (2) of each gyro."""
+    facts, parameters = found.readings[0].facts, found.parameters
+    out: list[float] = []
+    for i in range(facts.n_gyros):
+        of = {one["effect"]: one["parameters"] for one in drawn if one["channels"] == [f"gyro{i + 1}"]}
+        s = (1 + of["scale_factor_error"]["ppm"] * 1e-6) * (
+            facts.axes[i] + np.array(of["axis_misalignment"]["mrad"]) * 1e-3
+        )
+        length = float(np.linalg.norm(s))
+        raw_deg_h = facts.bias[i] / facts.scale_factor[i] * SECONDS_PER_HOUR + of["bias_offset"]["deg_h"]
+        axis = parameters.across[i] @ (parameters.axes[i] - s / length)
+        out += [parameters.bias_deg_h[i] - raw_deg_h / length, parameters.scale_ratio[i] / length - 1, *axis]
+    return np.array(out)
+
+
 class Bench:
     """Folders of calibration records and campaigns; `simulate` makes a campaign with captures."""
 
@@ -62,39 +135,27 @@ class Bench:
     def simulate(
         self,
         effects: Sequence[dict[str, Any]] = (),
-        runs: Sequence[str] = tuple(DESIGN),
+        runs: Sequence[str | BenchRun] = tuple(DESIGN),
         options: Sequence[str] = (),
     ) -> Path:
+        """The folder of a campaign, made from runs of the bench's design by their names or from any other."""
         plan = self.folder / f"plan{len(list(self.folder.iterdir()))}"
-        for name in runs:
-            axis, *rates = {**DESIGN, **STEPS}[name]
-            run = {
-                "schema": "fogreduce/run/1",
-                "run_id": name,
-                "unit": "UNIT",
-                "started_at": "2014-05-12T13:00:00Z",
-                "site": {"latitude_deg": 48.0},
-                "table": {
-                    "axis": axis,
-                    "profile": [{"rate_deg_s": one, "duration_s": 72.0 / len(rates)} for one in rates],
-                },
-                "orientation": _UP[axis],
-                "capture": {
-                    "file": "capture.fogcap",
-                    "format": "fogcap-1",
-                    "sample_rate_hz": 16,
-                    "volts_per_count": 1e-7,
-                    "polarity": [1, -1, 1, 1],
-                },
-                "calibration": "UNIT@a",
-            }
-            (plan / "runs" / name).mkdir(parents=True)
-            (plan / "runs" / name / "run.yaml").write_text(yaml.safe_dump(run))
+        write_plan(plan, (_named(run) if isinstance(run, str) else run for run in runs))
+        return self.make(plan, plan.with_name(f"{plan.name}-made"), effects, options)
+
+    def make(
+        self, plan: Path, out: Path, effects: Sequence[dict[str, Any]] = (), options: Sequence[str] = ()
+    ) -> Path:
+        """A campaign with captures, made from one without."""
         words = ["simulate", str(plan), "--calibrations", str(self.calibrations), *options]
         if effects:
-            file = plan / "effects.yaml"
+            file = out.with_name(f"{out.name}.effects.yaml")
             file.write_text(yaml.safe_dump({"schema": "fogreduce/effects/1", "effects": list(effects)}))
             words += ["--effects", str(file)]
-        out = plan.with_name(f"{plan.name}-made")
         assert main([*words, "--out", str(out)]) == 0
         return out
+
+
+def _named(name: str) -> BenchRun:
+    axis, *rates = {**DESIGN, **STEPS}[name]
+    return BenchRun(name, axis, [(one, 72.0 / len(rates)) for one in rates])

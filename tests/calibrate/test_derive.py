@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from calibration_bench import drawn_in, errors
 
 from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.derive import derive
@@ -92,6 +93,36 @@ def test_one_axis_leaves_the_others_open_and_a_run_about_one_of_them_helps(bench
     assert {step["rate_deg_s"] for step in found.next_run["table"]["profile"]} == {10.0, -10.0, 0.0}
 
 
+def test_one_axis_both_senses_without_a_standstill_needs_none(bench) -> None:
+    """Both senses give the biases; across the axis stays open what no turn is about."""
+    found = derive(bench.simulate(runs=["1-xp", "2-xm"]), bench.calibrations)
+    words = " / ".join(one.words for one in found.undetermined)
+    assert "bias" not in words
+    assert "gyro4's scale factor" not in words
+    assert "gyro4's axis towards" in words
+    for gyro in (1, 2, 3):
+        assert f"gyro{gyro}'s scale factor" in words
+    assert found.next_run is not None
+    assert found.next_run["table"]["axis"] in "yz"
+
+
+def test_two_axes_in_one_sense_leave_two_directions_of_each_gyro_open(bench) -> None:
+    """Of a gyro two readings, b + 10 k_x and b + 10 k_y: open are k_z, and b with both others.
+
+    Gyro 3's axis lies across [1, 1, 0]: its bias goes with where the axis points, not with its length.
+    """
+    found = derive(bench.simulate(runs=["1-xp", "3-yp"]), bench.calibrations)
+    for gyro in (1, 2, 3, 4):
+        of_gyro = [one for one in found.undetermined if f"gyro{gyro}'s" in one.words]
+        assert sum(one.directions for one in of_gyro) == 2
+        with_bias = next(one for one in of_gyro if f"gyro{gyro}'s bias" in one.words)
+        assert (f"gyro{gyro}'s scale factor" in with_bias.words) == (gyro != 3)
+    assert (found.parameters.standard_errors[:, 0] > 10.0).all()  # nothing is taken from nowhere
+    assert found.next_run is not None
+    assert found.next_run["table"]["axis"] == "z"
+    assert {step["rate_deg_s"] for step in found.next_run["table"]["profile"]} == {10.0, -10.0, 0.0}
+
+
 def test_one_sense_leaves_bias_with_scale_factor_and_a_standstill_tells_them_apart(bench) -> None:
     turns = ["1-xp", "3-yp", "5-zp"]
     found = derive(bench.simulate(runs=turns), bench.calibrations)
@@ -157,25 +188,12 @@ def test_turn_on_scatter_is_found_apart_from_noise(bench) -> None:
 
 def test_pulls_are_standard_normal(bench) -> None:
     """Stated uncertainties drawn: over 6 campaigns of four gyros the root mean square pull is near 1."""
-    import yaml
-
-    squares = []
+    squares: list[float] = []
     for seed in range(6):
         campaign = bench.simulate(options=["--draw-uncertainties", "--seed", str(seed)])
-        drawn = yaml.safe_load(campaign.with_name(f"{campaign.name}.injected.yaml").read_text())["drawn"]
         found = derive(campaign, bench.calibrations)
-        facts, errors = found.readings[0].facts, found.parameters.standard_errors
-        for i in range(4):
-            of_gyro = {
-                one["effect"]: one["parameters"] for one in drawn if one["channels"] == [f"gyro{i + 1}"]
-            }
-            s = (1 + of_gyro["scale_factor_error"]["ppm"] * 1e-6) * (
-                facts.axes[i] + np.array(of_gyro["axis_misalignment"]["mrad"]) * 1e-3
-            )
-            length = np.linalg.norm(s)
-            off = found.parameters.across[i] @ (s / length - found.parameters.axes[i])
-            squares += [((found.parameters.scale_ratio[i] / length - 1) / errors[i, 1]) ** 2]
-            squares += list((off / errors[i, 2:]) ** 2)
+        pulls = errors(found, drawn_in(campaign)) / np.sqrt(np.diag(found.parameters.covariance))
+        squares += list((pulls.reshape(-1, 4)[:, 1:] ** 2).ravel())
     # 72 squares, the common table rate correlating the scale factors: loose enough for chance, not for 2.
     assert 0.5 < np.mean(squares) < 1.8
 
@@ -186,7 +204,7 @@ def test_runs_of_two_records_are_refused(bench) -> None:
     (bench.calibrations / "UNIT" / "b.yaml").write_text(text)
     path = campaign / "runs" / "2-xm" / "run.yaml"
     path.write_text(path.read_text().replace("UNIT@a", "UNIT@b"))
-    with pytest.raises(BadInput, match="UNIT@a and UNIT@b"):
+    with pytest.raises(BadInput, match=r"runs of UNIT@a \(1-xp\) and of UNIT@b \(2-xm\)"):
         derive(campaign, bench.calibrations)
 
 

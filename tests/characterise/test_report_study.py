@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
+from calibration_bench import BenchRun, drawn_in, write_plan
 
 from fogreduce.calibrate.derive import Derivation, derive, has_shape, prior_of
 from fogreduce.calibrate.equations import products
@@ -21,30 +21,27 @@ from fogreduce.calibrate.shapes import fitted_shapes
 from fogreduce.calibrate.solution import solve
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.quantities import quantities_of
-from fogreduce.cli.main import main
 
 CAMPAIGNS = 20  # of each design
 
 STAIRS = [(part, 12.0) for part in (0, 5, 10, 5, 0, -5, -10, -5, 0)]
 SMALL = [(0.02, 12.0), (-0.02, 12.0)]
-UP = {"x": {"x": "up", "z": "north"}, "y": {"y": "up", "x": "north"}, "z": {"z": "up", "y": "north"}}
-DOWN = {"x": {"x": "down", "z": "north"}, "y": {"y": "down", "x": "north"}, "z": {"z": "down", "y": "north"}}
 
-Run = tuple[str, list[tuple[float, float]], dict[str, str], int]
+Run = tuple[str, list[tuple[float, float]], int]
 
-#: Design -> runs: axis, profile, orientation, day.
+#: Design -> runs: what stands up, profile, day.
 DESIGNS: dict[str, list[Run]] = {
     "single rates": [
-        *((axis, [(rate, 72.0)], UP[axis], 1) for axis in "xyz" for rate in (10.0, -10.0)),
-        ("x", [(0.0, 72.0)], UP["x"], 1),
+        *((axis, [(rate, 72.0)], 1) for axis in "xyz" for rate in (10.0, -10.0)),
+        ("x", [(0.0, 72.0)], 1),
     ],
     "staircases and attitudes": [
-        *((axis, STAIRS + SMALL, UP[axis], day) for axis in "xyz" for day in (1, 2, 3)),
-        *((axis, [(0.0, 60.0)], way[axis], 4) for axis in "xyz" for way in (UP, DOWN)),
+        *((axis, STAIRS + SMALL, day) for axis in "xyz" for day in (1, 2, 3)),
+        *((up, [(0.0, 60.0)], 4) for axis in "xyz" for up in (axis, f"-{axis}")),
     ],
-    "one sense about one axis": [("x", [(10.0, 72.0)], UP["x"], 1)],
-    "standstill": [("z", [(0.0, 250.0)], UP["z"], 1)],
-    "one axis, three days": [("x", STAIRS, UP["x"], day) for day in (1, 2, 3)],
+    "one sense about one axis": [("x", [(10.0, 72.0)], 1)],
+    "standstill": [("z", [(0.0, 250.0)], 1)],
+    "one axis, three days": [("x", STAIRS, day) for day in (1, 2, 3)],
 }
 #: What a design must leave open, of every gyro. (Earth's wave in a turn shows an axis across the table's, and
 #: Earth's rate in a standstill is a small input.)
@@ -73,38 +70,6 @@ ALWAYS_OPEN = {
 #: In the record of the bench, or none: flicker is left out, so that means of white noise are what they are.
 TURN_ON = (0.3, 0.2, 0.5, 0.1)
 WHITE = 0.002
-
-
-def write_plan(bench: Any, runs: list[Run], folder: Path) -> None:
-    for k, (axis, profile, orientation, day) in enumerate(runs):
-        run = {
-            "schema": "fogreduce/run/1",
-            "run_id": f"r{k}",
-            "unit": "UNIT",
-            "started_at": f"2014-05-{11 + day}T{k:02d}:00:00Z",
-            "site": {"latitude_deg": 48.0},
-            "table": {"axis": axis, "profile": [{"rate_deg_s": r, "duration_s": d} for r, d in profile]},
-            "orientation": orientation,
-            "capture": {
-                "file": "capture.fogcap",
-                "format": "fogcap-1",
-                "sample_rate_hz": 16,
-                "volts_per_count": 1e-7,
-                "polarity": [1, -1, 1, 1],
-            },
-            "calibration": "UNIT@a",
-        }
-        (folder / "runs" / f"r{k}").mkdir(parents=True)
-        (folder / "runs" / f"r{k}" / "run.yaml").write_text(yaml.safe_dump({**run}))
-
-
-def simulate(bench: Any, plan: Path, out: str, effects: list[Any], *options: str) -> Path:
-    file = plan.with_name(f"{out}.effects.yaml")
-    file.write_text(yaml.safe_dump({"schema": "fogreduce/effects/1", "effects": effects}))
-    where = plan.with_name(out)
-    words = ["simulate", str(plan), "--calibrations", str(bench.calibrations), "--out", str(where)]
-    assert main([*words, "--effects", str(file), *options]) == 0
-    return where
 
 
 def shapes_of(design: str, generator: Any) -> list[Any]:
@@ -166,12 +131,20 @@ def test_every_stated_quantity_holds_the_truth_and_none_is_stated_that_is_open(b
     for design, runs in DESIGNS.items():
         for seed in range(CAMPAIGNS):
             plan = tmp_path / f"{design.replace(' ', '-')}-{seed}" / "plan"
-            write_plan(bench, runs, plan)
+            # the hour tells a day's runs apart
+            write_plan(
+                plan,
+                [
+                    BenchRun(f"r{k}", up, profile, f"2014-05-{11 + day}T{k:02d}:00:00Z")
+                    for k, (up, profile, day) in enumerate(runs)
+                ],
+            )
             shapes = shapes_of(design, np.random.default_rng([seed, 1]))
-            noisy = simulate(bench, plan, "noisy", shapes, "--draw-uncertainties", "--seed", str(seed))
-            drawn = yaml.safe_load((plan.parent / "noisy.injected.yaml").read_text())["drawn"]
+            options = ["--draw-uncertainties", "--seed", str(seed)]
+            noisy = bench.make(plan, plan.with_name("noisy"), shapes, options)
+            drawn = drawn_in(noisy)
             kept = [one for one in drawn if "gyro" in one["channels"][0] and one["effect"] != "turn_on_bias"]
-            quiet = simulate(bench, plan, "quiet", shapes + kept, "--no-noise")
+            quiet = bench.make(plan, plan.with_name("quiet"), shapes + kept, ["--no-noise"])
             found = derive(noisy, bench.calibrations)
             stated = quantities_of(found, Definitions())
             other = quantities_of(twin(found, quiet, bench.calibrations), Definitions())

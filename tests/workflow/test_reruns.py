@@ -277,8 +277,12 @@ def test_a_record_that_was_used_is_not_rewritten(lab: Lab) -> None:
 def test_a_derived_record_is_used_by_nobody_until_it_is_named(lab: Lab) -> None:
     about = lab.place / "campaigns/lab/campaign.yaml"
     runs = lab.place / "campaigns/lab/runs"
-    shutil.move(runs / "b", lab.place / "b")  # runs of one record
     about.write_text("derive: true\n")
+    said = lab.snakemake()
+    expected = "found runs of TETRA-01@2012a (a) and of TETRA-02@2012a (b); expected runs of one calibration"
+    assert f"derives no record: campaigns/lab: calibration: {expected}" in said
+    assert not (lab.place / "results/lab/_calibration").exists()
+    shutil.move(runs / "b", lab.place / "b")  # runs of one record
     try:
         assert ("derive_calibration", "") in lab.planned()
         lab.snakemake()

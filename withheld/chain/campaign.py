@@ -149,7 +149,8 @@ def unit_document(unit: Unit) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _run_from(document: Mapping[str, Any]) -> Run:
+def run_from(document: Mapping[str, Any]) -> Run:
+    """A run from run.yaml as the contract has it."""
     axis = document["table"]["axis"]
     direction = np.array(_AXES[axis] if isinstance(axis, str) else axis, dtype=float)
     x, y, z = (direction / np.linalg.norm(direction)).tolist()
@@ -169,7 +170,8 @@ def _run_from(document: Mapping[str, Any]) -> Run:
     )  # fmt: skip
 
 
-def _unit_from(record: Mapping[str, Any]) -> Unit:
+def unit_from(record: Mapping[str, Any]) -> Unit:
+    """A unit from a calibration record that has `H`, uncertainties and noise."""
     stated, noise = record["uncertainty"], record["noise"]
     rows = [tuple(float(v) for v in row) for row in record["H"]]
     return Unit(
@@ -195,7 +197,7 @@ def read_campaign(folder: Path, calibrations: Path) -> Campaign:
     name, _, version = str(documents[0].get("calibration", "")).partition("@")
     record = yaml12.load(calibrations / name / f"{version}.yaml")
     try:
-        runs = tuple(_run_from(document) for document in documents)
-        return Campaign(folder.name, _unit_from(record), runs)
+        runs = tuple(run_from(document) for document in documents)
+        return Campaign(folder.name, unit_from(record), runs)
     except (KeyError, TypeError, ValueError) as error:
         raise BadInput(f"{folder}: metadata that the bench cannot read ({error!r})") from error

@@ -22,7 +22,13 @@ from fogreduce.datasets.sole_writer import WORKFLOW, sole_writer, writers_inside
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import WorkflowConfig
 from fogreduce.metadata.file_name import problem_of_file_name
-from fogreduce.metadata.folder import find_runs, is_name, list_campaigns, load_campaign
+from fogreduce.metadata.folder import (
+    find_runs,
+    is_name,
+    list_campaigns,
+    load_campaign,
+    several_records,
+)
 
 
 def stop(faults):
@@ -383,11 +389,26 @@ REPORTED = [
 ]
 
 
+def is_of_one_record(campaign):
+    """Whether a campaign's runs all name one calibration record; says so where they do not."""
+    of_record = {}
+    for run in FOUND[campaign][0]:
+        named = calibration_of(campaign, run.name)
+        if len(named) == 1:
+            of_record.setdefault(record_id(named[0]), []).append(run.name)
+    if len(of_record) > 1:
+        print(f"derives no record: {several_records(CAMPAIGNS[campaign], of_record)}", file=sys.stderr)
+    return len(of_record) <= 1
+
+
 #: Campaigns of which a calibration is to be derived: those of one record alone, as the command asks.
 DERIVED = [
     name
     for name, campaign in ABOUT.items()
-    if campaign.derive and FOUND[name][0] and not uses_rewritten(name)
+    if campaign.derive
+    and FOUND[name][0]
+    and not uses_rewritten(name)
+    and is_of_one_record(name)
 ]
 
 #: Units of the campaigns' records.
