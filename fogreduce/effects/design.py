@@ -42,8 +42,9 @@ class Design:
     wave : str
         The phase that makes a cosine and a sine of it.
     exact : str
-        Differences of given sizes, not scaled: ``switch``, there or not; ``reading``, what a function of the
-        reading alone does, over `grid`; ``range``, limits, as shares `grid` of the largest raw reading.
+        Differences of given sizes: ``switch``, there or not; ``reading``, what a function of the reading
+        alone does, over `grid`; ``range``, limits, as shares `grid` of the largest raw reading; and
+        ``volts``, scaled, what a function of the raw reading adds, over such shares.
     one_run : bool
         New in each run: it is looked for in one run at a time.
     begins : str

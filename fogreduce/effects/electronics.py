@@ -70,6 +70,13 @@ def shares_of_range(longest_s: float) -> tuple[dict[str, float], ...]:
     return tuple({"volts": share} for share in np.linspace(0.5, 0.98, 9).tolist())
 
 
+def periods_of_range(longest_s: float) -> tuple[dict[str, float], ...]:
+    """Periods, as shares of the largest raw reading, a 16th of a turn apart there: an integral nonlinearity
+    bends a few times over the range. Finer ones the codes within the noise show.
+    """
+    return tuple({"period_volts": 16.0 / part} for part in range(4, 513))
+
+
 EFFECTS = (
     Effect(
         "low_pass",
@@ -92,10 +99,20 @@ EFFECTS = (
         "data sheets of 16 to 24 bit converters: integral nonlinearity 1 to 50 ppm of full scale",
         (
             Parameter("volts", "V", "A", off=0.0, low=-1e6, high=1e6, realistic=(1e-7, 1e-4)),
-            Parameter("period_volts", "V", "p", low=1e-12, high=1e9, realistic=(1e-4, 5.0), words="period"),
+            Parameter(
+                "period_volts",
+                "V",
+                "p",
+                low=1e-12,
+                high=1e9,
+                realistic=(1e-4, 5.0),
+                words="period",
+                bends=1e-4,
+            ),
         ),
         {"volts": 2e-5, "period_volts": 5e-3},
         words="is read by a converter whose steps are uneven, with a period in volts",
+        design=Design("volts", 1e-6, exact="volts", grid=periods_of_range, turning=True),
     ),
     Effect(
         "saturation",

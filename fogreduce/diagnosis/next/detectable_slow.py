@@ -209,7 +209,8 @@ def _cases(c: Candidate) -> Iterator[tuple[int, Array, str, float, dict[str, Any
             yield point, np.ones(1), design.scaled, float(c.steps[point, 0]), {}
     else:
         for point in _points_shown(shown, points):
-            at = {key: round(float(v), 1) for key, v in c.grid[point].items() if not isinstance(v, str)}
+            numbers = {key: float(v) for key, v in c.grid[point].items() if not isinstance(v, str)}
+            at = {key: round(v, 1) if abs(v) >= 1.0 else float(f"{v:.3g}") for key, v in numbers.items()}
             yield point, np.ones(1), design.scaled, float(c.steps[point, 0]), at
 
 

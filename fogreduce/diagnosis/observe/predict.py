@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 _FAINT = 0.01  # of the largest error of a logged motion: what is less does not count
 _BEFORE = (Stage.MOTION, Stage.AXES, Stage.BIAS, Stage.SCALE, Stage.CROSSTALK, Stage.DEAD_ZONE, Stage.LATENCY)
-_AFTER = (Stage.FILTER, Stage.CLIPPING, Stage.COLUMNS, Stage.POLARITY)
+_AFTER = (Stage.FILTER, Stage.CONVERTER, Stage.CLIPPING, Stage.COLUMNS, Stage.POLARITY)
 #: Stages whose effects change what a block's mean is.
 SLOW_STAGES = (*_BEFORE, *_AFTER)
 

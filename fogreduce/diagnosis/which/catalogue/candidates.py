@@ -14,13 +14,13 @@ import numpy as np
 
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.which.catalogue.builder import Builder
-from fogreduce.diagnosis.which.catalogue.exact import of_range, of_reading, of_wiring
+from fogreduce.diagnosis.which.catalogue.exact import of_range, of_reading, of_volts, of_wiring
 from fogreduce.diagnosis.which.catalogue.gyro import at_gyros, in_single_runs
 from fogreduce.diagnosis.which.catalogue.table import of_table
 from fogreduce.effects.model import Effect
 from fogreduce.effects.table import EFFECTS
 
-_EXACT = {"switch": of_wiring, "reading": of_reading, "range": of_range}
+_EXACT = {"switch": of_wiring, "reading": of_reading, "volts": of_volts, "range": of_range}
 
 
 def all_candidates(build: Builder) -> list[Candidate]:

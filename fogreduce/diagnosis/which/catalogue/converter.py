@@ -1,4 +1,4 @@
-"""What a converter's error leaves in block means: nothing, only where the voltage sweeps whole periods.
+"""What a converter's error within the noise leaves in block means: nothing where whole periods are swept.
 
 The full rate finds its amplitude and period; where it stands within its period in a run nobody knows, as the
 stated uncertainties are many periods wide.
@@ -32,7 +32,7 @@ def converter_means(inputs: Sequence[RunInput], causes: Sequence[Cause], noise: 
     """
     columns = [np.zeros((rows.total, 0))]
     for cause in causes:
-        if cause.effect != "adc_nonlinearity":
+        if cause.effect != "adc_nonlinearity" or cause.slow:
             continue
         i = int(cause.channels[0][4:]) - 1
         numbers = cause.parameters()

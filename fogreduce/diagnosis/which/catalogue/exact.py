@@ -1,4 +1,6 @@
-"""Exact differences, not scaled: a dead zone, clipping, a wrong sense, a turned sign, exchanged gyros."""
+"""Functions of a reading or voltage, and exact differences: a dead zone, a converter's error, clipping,
+a wrong sense, a turned sign, exchanged gyros.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +11,17 @@ from itertools import groupby
 import numpy as np
 
 from fogreduce.constants import SECONDS_PER_HOUR
-from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
+from fogreduce.diagnosis.inference.candidate import EVERY, Array, Candidate
+from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.effects.at import At, Place
 from fogreduce.effects.design import Design
-from fogreduce.effects.model import Effect
+from fogreduce.effects.model import Effect, Stage
 from fogreduce.simulate.forward import ForwardRun
 from fogreduce.simulate.streams import stream
+
+#: Levels that the raw reading has to take, apart by this share of the largest: amplitude and period are two.
+_FEWEST_LEVELS, _APART = 4, 1.0 / 64.0
 
 
 def of_reading(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
@@ -39,6 +45,56 @@ def of_reading(effect: Effect, design: Design, build: Builder) -> Iterator[Candi
                 white = build.whiten(columns, build.whiten.rows.of(i))[:, :, None]
                 share = 1.0 / len(every) / build.n
                 yield build.at_gyro(effect.name, i, white, grid=tuple(points), fixed=True, share=share)
+
+
+def of_volts(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
+    """What a function of the raw reading alone adds, scaled; its grid is in shares of the largest.
+
+    Where the raw reading hardly takes more values than the function has numbers, it is any constant of them,
+    and not looked for.
+    """
+    size, shape = design.scaled, next(name for name in design.grid(build.longest_s)[0])
+    shares = [point[shape] for point in design.grid(build.longest_s)]
+    volts = [_volts(effect, one, build) for one in build.inputs]
+    for i in range(build.n):
+        means = np.concatenate(
+            [one.scene.blocks.means(v[i]) for one, v in zip(build.inputs, volts, strict=True)]
+        )
+        largest = float(np.abs(means).max())
+        if _levels(np.abs(means) / largest) < _FEWEST_LEVELS:
+            continue
+        grid = tuple({shape: share * largest} for share in shares)
+        parts = []
+        for one, v in zip(build.inputs, volts, strict=True):
+            place = Place("", i, (), build.n, partial(stream, 0, "gap"))
+            at = At(
+                place,
+                one.scene.blocks.time_s,
+                1.0,
+                one.scene.turning.motion,
+                one.facts.axes[i],
+                None,
+                v,
+                v[i],
+            )
+            added = [effect.forward(v[i], {size: design.step, **point}, at) - v[i] for point in grid]
+            per_volt = SECONDS_PER_HOUR / float(one.facts.polarity[i] * one.facts.scale_factor[i])
+            parts.append(one.scene.blocks.means(np.array(added)).T * per_volt)
+        white = build.whiten(np.concatenate(parts), build.whiten.rows.of(i))[:, :, None]
+        steps = np.full((len(grid), 1), design.step)
+        yield build.at_gyro(effect.name, i, white, grid=grid, scales=(size,), steps=steps)
+
+
+def _volts(effect: Effect, one: RunInput, build: Builder) -> Array:
+    """Raw readings (n, samples) that an effect is handed in a run, at the times its blocks are asked at."""
+    early = [a for a in build.base if a.effect.stage < effect.stage and a.effect.stage != Stage.FILTER]
+    forward = ForwardRun(one.facts, None, early, one.scene.temperature, turning=one.scene.turning)
+    return forward.volts(forward.readings(one.scene.blocks.time_s))
+
+
+def _levels(values: Array) -> int:
+    """How many groups of values (N,), within 0 to 1, lie apart from each other."""
+    return 1 + int(np.sum(np.diff(np.sort(values)) > _APART))
 
 
 def of_range(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
