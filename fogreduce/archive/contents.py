@@ -22,7 +22,7 @@ from pathlib import Path
 from fogreduce.archive.names import faults_of_names, plain_files
 from fogreduce.archive.software import source_files
 from fogreduce.errors import BadInput, Fault
-from fogreduce.metadata.faults import NAME_PATTERN
+from fogreduce.metadata.patterns import NAME_PATTERN
 from fogreduce.provenance.outputs import result_files
 from fogreduce.provenance.records import (
     MANIFEST,

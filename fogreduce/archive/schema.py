@@ -8,11 +8,10 @@ from pydantic import Field, field_validator
 
 from fogreduce.metadata.base import Model, Name
 from fogreduce.metadata.faults import unexpected
+from fogreduce.metadata.patterns import PLACE_PATTERN
 from fogreduce.provenance.records import VersionId
 
-Folder = Annotated[
-    str, Field(pattern=r"^(campaigns|captures|results)(/[A-Za-z0-9][A-Za-z0-9._-]{0,63}){2,3}$")
-]
+Folder = Annotated[str, Field(pattern=PLACE_PATTERN)]
 
 
 class RunEntry(Model):

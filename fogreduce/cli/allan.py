@@ -8,8 +8,6 @@ from pathlib import Path
 from fogreduce.errors import BadInput
 from fogreduce.figures import FORMATS
 
-HELP = "Allan deviation and noise coefficients of a reduced run, as tables and a figure"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -8,8 +8,6 @@ from pathlib import Path
 from fogreduce.cli.options import add_places
 from fogreduce.errors import BadInput
 
-HELP = "archive reduced campaigns: a BagIt bag each, with captures, results and software"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

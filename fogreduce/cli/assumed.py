@@ -11,12 +11,12 @@ from fogreduce.metadata.folder import find_runs, load_calibration, load_run, rea
 
 
 def assumed_lines(path: Path, calibrations: Path) -> list[str]:
-    """The assumed values of a sound run, campaign or calibration record; none for other files.
+    """The assumed values of sound runs or of a calibration record; none for other files.
 
     Parameters
     ----------
     path : Path
-        What was checked.
+        What was checked: a run, a campaign, a folder of campaigns, a file.
     calibrations : Path
         Folder of the calibration records.
     """
@@ -27,7 +27,12 @@ def assumed_lines(path: Path, calibrations: Path) -> list[str]:
             return []  # another kind of file
         return [str(item) for item in assumed_of_record(record)]
     path = path.parent if path.is_file() else path
-    runs = [path] if (path / "run.yaml").exists() else find_runs(path)[0]
+    if (path / "run.yaml").exists():
+        runs = [path]
+    else:
+        of_several = [runs.parent for runs in sorted(path.glob("*/runs"))]
+        campaigns = [path] if (path / "runs").exists() else of_several
+        runs = [run for campaign in campaigns for run in find_runs(campaign)[0]]
     loaded = [load_run(folder, need_capture=False) for folder in runs]
     of_records = [
         str(item)

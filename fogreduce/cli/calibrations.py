@@ -13,8 +13,6 @@ from fogreduce.errors import BadInput, Fault
 if TYPE_CHECKING:
     from fogreduce.calibrate.registry import Entry
 
-HELP = "list, show, compare and validate calibration records; write the page of a unit"
-
 #: Changes beyond so many standard deviations are marked.
 _CLEAR_SIGMA = 3.5
 

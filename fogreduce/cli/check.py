@@ -19,13 +19,14 @@ if TYPE_CHECKING:
 #: Records of a capture that are read at a time.
 _RECORDS = 1 << 16
 
-HELP = "validate a run, a campaign or a calibration record: every fault, with file, key and reason"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument(
-        "path", metavar="PATH", type=Path, help="run folder, campaign folder or metadata file (.yaml)"
+        "path",
+        metavar="PATH",
+        type=Path,
+        help="folder of a run, a campaign or campaigns, or a metadata file",
     )
     add_calibrations(parser)
 
@@ -69,7 +70,10 @@ def _checker_of(path: Path) -> Checker:
             path, "", found="no permission to look into it", expected="a readable folder"
         ) from None
     if path.is_dir():
-        raise BadInput.at(path, "", found="a folder without run.yaml or runs", expected="a run or a campaign")
+        if any(path.glob("*/runs")):
+            return _check_campaigns
+        expected = "a run, a campaign or a folder of campaigns"
+        raise BadInput.at(path, "", found="a folder without run.yaml or runs", expected=expected)
     return _check_run if path.name == "run.yaml" else _check_file
 
 
@@ -90,12 +94,19 @@ def _check_file(path: Path, calibrations: Path, faults: Faults) -> str:
     return f"calibration record of {record.n} gyros" if record else ""
 
 
+def _check_campaigns(path: Path, calibrations: Path, faults: Faults) -> str:
+    """Every campaign of a folder."""
+    folders = sorted(runs.parent for runs in path.glob("*/runs") if runs.parent.name[0] != ".")
+    counts = [_check_campaign(folder, calibrations, faults) for folder in folders]
+    return "; ".join(f"{folder.name}: {count}" for folder, count in zip(folders, counts, strict=True))
+
+
 def _check_campaign(path: Path, calibrations: Path, faults: Faults) -> str:
     """campaign.yaml, what it names, and all runs."""
     from fogreduce.archive.names import faults_of_names, plain_files
     from fogreduce.metadata.curves import Curves
-    from fogreduce.metadata.faults import NAME_IN_WORDS
     from fogreduce.metadata.folder import find_runs, is_name, load_campaign
+    from fogreduce.metadata.patterns import NAME_IN_WORDS
 
     if not is_name(name := path.absolute().name or path.resolve().name):
         faults.append(Fault(str(path), "", f"a campaign called {name}", NAME_IN_WORDS))

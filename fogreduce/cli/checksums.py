@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "take the checksums of a run's finished results, and keep that version (a node of the workflow)"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

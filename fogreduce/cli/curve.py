@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fogreduce.stages.fit import Segment
     from fogreduce.stages.setup import Setup
 
-HELP = "fit the mean curve of a reduced run with its rate free, by Levenberg-Marquardt"
-
 _ROW = "  {:<12}{:>22}{:>14}{:>22}"
 
 

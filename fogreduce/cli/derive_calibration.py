@@ -8,8 +8,6 @@ from pathlib import Path
 from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput
 
-HELP = "derive bias, scale factor and axis of each gyro from a campaign: a candidate record and its page"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

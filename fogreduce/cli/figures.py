@@ -9,8 +9,6 @@ from pathlib import Path
 from fogreduce.errors import BadInput
 from fogreduce.figures import FORMATS
 
-HELP = "draw the figures of a reduced run (a node of the workflow)"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -8,8 +8,6 @@ from typing import Any
 
 from fogreduce.cli.options import add_places
 
-HELP = "show the versions of a run's results, and what changed between them"
-
 _SHOWN = 20
 
 

@@ -9,8 +9,6 @@ from pathlib import Path
 from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput
 
-HELP = "list every result that used a calibration record"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -13,8 +13,6 @@ from pathlib import Path
 from fogreduce.cli.stated import add_stated, bench_of, stated_of
 from fogreduce.errors import BadInput
 
-HELP = "begin a campaign from a logger's files of any format, or a run.yaml from a capture's header"
-
 TODO = "TODO"
 #: Lines of a CSV that are read at a time.
 _RECORDS = 1 << 16

@@ -10,6 +10,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import ModuleType
 
 from fogreduce import __version__
 from fogreduce.cli.shortage import memory_fault, out_of_memory
@@ -17,8 +18,8 @@ from fogreduce.errors import BadInput, Fault, FogreduceError
 
 #: Subcommand -> (module of `fogreduce.cli`, what it does).
 COMMANDS = {
-    "check": ("check", "validate a run, a campaign or a calibration record"),
-    "init": ("init", "start a run.yaml from a capture"),
+    "init": ("init", "start a run.yaml or a campaign from a capture"),
+    "check": ("check", "validate runs, campaigns or calibration records: every fault, with file and key"),
     "reduce": ("reduce", "reduce one run, all stages in one process"),
     "simulate": ("simulate", "predict the captures of a campaign"),
     "diagnose": ("diagnose", "say where, why and how far a campaign departs from its prediction"),
@@ -27,24 +28,25 @@ COMMANDS = {
     "impact": ("impact", "list every result that used a calibration record"),
     "report": ("report", "write a unit's test report from a campaign, as page, PDF and document"),
     "plan": ("plan", "plan a campaign that determines every quantity of a test report"),
-    "manifest": ("manifest", "write the manifest of a run (a node of the workflow)"),
-    "stage": ("stage", "run one stage of the reduction (a node of the workflow)"),
-    "figures": ("figures", "draw the figures of a reduced run (a node of the workflow)"),
     "allan": ("allan", "Allan deviation and noise coefficients of a reduced run, as tables and a figure"),
     "curve": ("curve", "fit the mean curve of a reduced run with its rate free, by Levenberg-Marquardt"),
-    "checksums": ("checksums", "take the checksums of a run's results and keep that version (a node)"),
     "archive": ("archive", "archive reduced campaigns: a BagIt bag each, with all that is needed to redo it"),
     "verify": ("verify", "verify an archive: every byte, completeness, and that its records agree"),
     "trace": ("trace", "trace one cell of a table back to the bytes that it came from"),
     "restore": ("restore", "make a working folder of an archive, or compare results with it"),
     "history": ("history", "show the versions of a run's results, and what changed between them"),
+    "selftest": ("selftest", "compute published numbers: a page of expected and obtained"),
+    "completion": ("completion", "print what makes bash or zsh complete these commands"),
+}
+#: Those that the workflow calls, as its nodes; by hand they serve to look into one.
+NODES = {
+    "manifest": ("manifest", "write the manifest of a run"),
+    "stage": ("stage", "run one stage of the reduction"),
+    "figures": ("figures", "draw the figures of a reduced run"),
+    "page": ("page", "write the page of a run, of a campaign or of all campaigns"),
+    "checksums": ("checksums", "take the checksums of a run's results and keep that version"),
+    "summary": ("summary", "gather the drift tables of many runs"),
     "server": ("server", "serve the commands of a workflow's jobs from one warm process"),
-    "selftest": (
-        "selftest",
-        "compute published numbers: a page of expected and obtained",
-    ),
-    "summary": ("summary", "gather the drift tables of many runs (a node of the workflow)"),
-    "page": ("page", "write pages of results for people: a run, a campaign, all campaigns (a node)"),
 }
 
 
@@ -65,24 +67,40 @@ _EXPECTED = {
 }
 
 
+def parser_of(*names: str) -> tuple[argparse.ArgumentParser, dict[str, ModuleType]]:
+    """The parser, with the arguments of these commands alone, whose modules are imported."""
+    width = max(map(len, COMMANDS | NODES)) + 2
+    nodes = (f"  {name:<{width}}{text}" for name, (_, text) in NODES.items())
+    parser = argparse.ArgumentParser(
+        prog="fogreduce",
+        description="Reduce rate-table runs of gyro units; all campaigns at once: snakemake --cores 2.",
+        epilog="\n".join(["called by the workflow, as its nodes:", *nodes]),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"fogreduce {__version__}")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    modules = {}
+    for command, (file, text) in (COMMANDS | NODES).items():
+        about = text[0].upper() + text[1:] + "."
+        if command in COMMANDS:
+            subparser = subparsers.add_parser(command, help=text, description=about)
+        else:  # without `help` it is not listed
+            subparser = subparsers.add_parser(command, description=about)
+        if command in names:
+            modules[command] = importlib.import_module(f"fogreduce.cli.{file}")
+            modules[command].add_arguments(subparser)
+    return parser, modules
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status: 0 done, 2 bad input or usage, 1 anything else."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
-    parser = argparse.ArgumentParser(prog="fogreduce", description="Reduce rate-table runs of gyro units.")
-    parser.add_argument("--version", action="version", version=f"fogreduce {__version__}")
-    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    name = next((word for word in arguments if not word.startswith("-")), None)
-    module = None
-    for command, (file, text) in COMMANDS.items():
-        subparser = subparsers.add_parser(command, help=text, description=text[0].upper() + text[1:] + ".")
-        if command == name:
-            module = importlib.import_module(f"fogreduce.cli.{file}")
-            module.add_arguments(subparser)
+    name = next((word for word in arguments if not word.startswith("-")), "")
+    parser, modules = parser_of(name)
     parsed = parser.parse_args(arguments)
-    assert module is not None
     try:
         _no_empty_value(arguments)
-        return int(module.run(parsed))
+        return int(modules[parsed.command].run(parsed))
     except FogreduceError as error:
         print(error, file=sys.stderr)
         return error.exit_status

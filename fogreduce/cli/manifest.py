@@ -12,8 +12,6 @@ from fogreduce.datasets.sole_writer import sole_writer
 from fogreduce.reruns.outdated import refuse_another_run, remove_outdated
 from fogreduce.reruns.uses import refuse_rewritten
 
-HELP = "write the manifest of a run (a node of the workflow)"
-
 
 def run(arguments: argparse.Namespace) -> int:
     """Check the run's metadata, hash its inputs and write the manifest."""

@@ -9,8 +9,6 @@ from pathlib import Path
 from fogreduce.errors import BadInput
 from fogreduce.metadata.raw_folder import refuse_raw
 
-HELP = "write the page of a run, of a campaign or over all campaigns (a node of the workflow)"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

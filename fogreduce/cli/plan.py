@@ -8,8 +8,6 @@ from pathlib import Path
 from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput
 
-HELP = "plan a campaign that determines every quantity of a test report: its run.yaml files and uncertainties"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

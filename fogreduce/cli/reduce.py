@@ -9,10 +9,9 @@ from typing import Any
 
 from fogreduce.cli.beside import beside
 from fogreduce.cli.memory import keep_freed_memory
+from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput
 from fogreduce.metadata.raw_folder import refuse_raw
-
-HELP = "reduce one run, all stages in one process"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,9 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_input_arguments(parser: argparse.ArgumentParser) -> None:
     """Options that say what a run is reduced with."""
-    parser.add_argument(
-        "--calibrations", type=Path, required=True, metavar="DIR", help="folder of the calibration records"
-    )
+    add_calibrations(parser)
     parser.add_argument(
         "--parameters", default="{}", metavar="JSON", help="parameters of the reduction, as JSON"
     )
@@ -43,10 +40,28 @@ def manifest_of(arguments: argparse.Namespace) -> dict[str, Any]:
     if not arguments.run.is_dir():
         found = "a file" if arguments.run.exists() else "no such folder"
         raise BadInput.at(arguments.run, "", found=found, expected="a run's folder")
+    _refuse_campaigns(arguments.run)
     refuse_raw("--out", arguments.out)
     from fogreduce.provenance.manifest import manifest
 
     return manifest(arguments.run, arguments.calibrations, _parameters(arguments))
+
+
+def _refuse_campaigns(folder: Path) -> None:
+    """A campaign is no run: what to call for it."""
+    if (folder / "run.yaml").exists():
+        return
+    of_one = sorted(path.parent for path in folder.glob("runs/*/run.yaml"))
+    of_several = sorted(path.parent for path in folder.glob("*/runs/*/run.yaml"))
+    if runs := of_one or of_several:
+        parent = folder.absolute().parent if of_one else folder
+        raise BadInput.at(
+            folder,
+            "",
+            found="a campaign" if of_one else "a folder of campaigns",
+            expected=f"the folder of one run, such as {runs[0]}; for all of them: "
+            f"snakemake --cores 2 --config campaigns_dir={parent}",
+        )
 
 
 def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from fogreduce.cli.options import add_calibrations
 
-HELP = "write a unit's test report from a campaign: HTML, PDF and JSON"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from fogreduce.errors import BadInput
 
-HELP = "make a working folder of an archive, or compare results with it"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "compute published numbers with the installed software and write a page of expected and obtained"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -6,8 +6,6 @@ import argparse
 import shutil
 from pathlib import Path
 
-HELP = "serve the commands of a workflow's jobs from one warm process"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

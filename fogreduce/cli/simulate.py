@@ -12,8 +12,6 @@ from fogreduce.errors import BadInput
 if TYPE_CHECKING:
     from fogreduce.simulate.plan import Plan
 
-HELP = "simulate the captures of a campaign's runs, with or without effects"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""

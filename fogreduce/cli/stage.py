@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "run one stage of the reduction (a node of the workflow)"
-
 #: The stages, in the order of the data flow.
 STAGES = ("ingest", "calibrate", "project", "remove_earth", "fit", "drift")
 _READ_RUN = ("ingest", "remove_earth")

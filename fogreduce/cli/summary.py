@@ -13,8 +13,6 @@ from fogreduce.errors import BadInput
 if TYPE_CHECKING:
     from fogreduce.stages.summary import RunResults
 
-HELP = "gather the drift tables of many runs (a node of the workflow)"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from fogreduce.cli.options import add_places
 
-HELP = "trace one cell of a table back to the bytes that it came from"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from fogreduce.errors import BadInput
 
-HELP = "verify an archive: every byte, completeness, and that its records agree"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -8,8 +8,9 @@ from typing import Annotated, Self
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
 
 from fogreduce.errors import BadInput
-from fogreduce.metadata.faults import NAME_PATTERN, faults_of, unexpected
+from fogreduce.metadata.faults import faults_of, unexpected
 from fogreduce.metadata.file_name import problem_of_file_name
+from fogreduce.metadata.patterns import NAME_PATTERN
 from fogreduce.metadata.yaml12 import load_yaml
 
 
@@ -50,9 +51,6 @@ def _sign(value: object) -> int:
         raise unexpected("1 or -1")
     return int(value)
 
-
-#: Id of a calibration record, ``<unit>@<version>``.
-CALIBRATION_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 FileName = Annotated[

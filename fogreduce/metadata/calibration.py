@@ -16,9 +16,10 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, Strict, create_model, model_validator
 
-from fogreduce.metadata.base import CALIBRATION_PATTERN, Model, Name, NotNegatives, Reals, Triple
+from fogreduce.metadata.base import Model, Name, NotNegatives, Reals, Triple
 from fogreduce.metadata.faults import contradictions
 from fogreduce.metadata.instant import Instant, instant_text
+from fogreduce.metadata.patterns import CALIBRATION_PATTERN
 from fogreduce.metadata.pedigree import Covariance, Pedigree
 from fogreduce.physics.raw_quantity import UNITS_IN_USE, RawUnit, RawUnitName
 

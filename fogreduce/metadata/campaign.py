@@ -6,9 +6,10 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from fogreduce.metadata.base import CALIBRATION_PATTERN, FileName, Model
+from fogreduce.metadata.base import FileName, Model
 from fogreduce.metadata.certificate import Certificate
 from fogreduce.metadata.faults import unexpected
+from fogreduce.metadata.patterns import CALIBRATION_PATTERN
 
 
 class Simulate(Model):

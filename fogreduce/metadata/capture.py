@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from fogreduce.metadata.base import FileName, Model, Sign
 from fogreduce.metadata.faults import unexpected
+from fogreduce.metadata.patterns import FORMAT_PATTERN
 from fogreduce.metadata.words import kind_of
 from fogreduce.physics.raw_quantity import RawUnitName
 
@@ -118,7 +119,7 @@ class CaptureInfo(Model):
 
     file: FileName = Field(description="capture's file, in the run's own folder")
     format: str = Field(
-        pattern=r"^[a-z0-9][a-z0-9.-]{0,31}$",
+        pattern=FORMAT_PATTERN,
         description="fogcap-1, csv-1, table, hdf5, mat, npy, npz, tdms, parquet, or an installed one",
     )
     sample_rate_hz: float = Field(ge=0.01, le=10_000, description="sample rate [Hz]")

@@ -6,6 +6,7 @@ unlike those of a laboratory's files, read a number or a truth value from its te
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
@@ -123,3 +124,14 @@ class WorkflowConfig(ConfigModel):
     withheld: dict[str, Any] = Field(
         default={}, description="settings of the withheld-runs rules, handed on as they are"
     )
+
+    @model_validator(mode="after")
+    def _results_apart(self) -> Self:
+        """Results among the raw data would be taken for them, and archived with them."""
+        for key in ("campaigns_dir", "calibrations_dir"):
+            raw = Path(getattr(self, key)).resolve()
+            if Path(self.results_dir).resolve().is_relative_to(raw):
+                raise unexpected(
+                    f"a folder of its own, apart from {key}", key="results_dir", found=self.results_dir
+                )
+        return self

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, Strict
 
 from fogreduce.metadata.base import Model
 from fogreduce.metadata.faults import unexpected
+from fogreduce.metadata.patterns import EFFECT_PATTERN
 from fogreduce.metadata.words import kind_of
 
 Texts = Annotated[tuple[Annotated[str, Field(min_length=1)], ...], Strict(False)]
@@ -36,7 +37,7 @@ Parameter = Annotated[
 class EffectEntry(Model):
     """One effect, where it acts and how strongly."""
 
-    effect: str = Field(pattern=r"^[a-z][a-z0-9_]{0,63}$", description="the effect's name")
+    effect: str = Field(pattern=EFFECT_PATTERN, description="the effect's name")
     channels: Texts = Field(
         default=("*",), min_length=1, description="the channels it acts on, such as gyro2 or table"
     )

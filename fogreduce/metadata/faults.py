@@ -12,11 +12,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
 from fogreduce.errors import Fault
+from fogreduce.metadata.patterns import IN_WORDS
 from fogreduce.metadata.words import kind_of
-
-#: Names of campaigns, runs, units and calibration versions.
-NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
-NAME_IN_WORDS = "a name of 1 to 64 letters, digits, '.', '_', '-' that begins with a letter or digit"
 
 
 def unexpected(expected: str, *, found: str = "", key: str = "") -> PydanticCustomError:
@@ -125,8 +122,7 @@ def _found_and_expected(
     if kind == "literal_error":
         return found, str(context["expected"]).replace("'", "")
     if kind == "string_pattern_mismatch":
-        pattern = context["pattern"]
-        return found, NAME_IN_WORDS if pattern == NAME_PATTERN else f"text like {pattern}"
+        return found, IN_WORDS[context["pattern"]]
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
         length = len(value) if isinstance(value, Sized) else context["actual_length"]

@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from fogreduce.errors import BadInput, Fault
-from fogreduce.metadata.base import CALIBRATION_PATTERN
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.campaign import Campaign
-from fogreduce.metadata.faults import NAME_IN_WORDS, NAME_PATTERN
 from fogreduce.metadata.instant import instant_text
+from fogreduce.metadata.patterns import CALIBRATION_PATTERN, NAME_IN_WORDS, NAME_PATTERN
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.words import kind_of
 from fogreduce.metadata.yaml12 import load_yaml

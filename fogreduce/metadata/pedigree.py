@@ -8,8 +8,9 @@ from pydantic import Field, Strict, model_validator
 
 from fogreduce.metadata.base import Model, Name
 from fogreduce.metadata.faults import unexpected
+from fogreduce.metadata.patterns import SHA256_PATTERN
 
-Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+Digest = Annotated[str, Field(pattern=SHA256_PATTERN)]
 
 
 class SourceRun(Model):

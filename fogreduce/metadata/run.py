@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
 
-from fogreduce.metadata.base import CALIBRATION_PATTERN, FileName, Model, Name, NotNegative, Sign, Triple
+from fogreduce.metadata.base import FileName, Model, Name, NotNegative, Sign, Triple
 from fogreduce.metadata.capture import CaptureInfo
 from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.instant import Instant
+from fogreduce.metadata.patterns import CALIBRATION_PATTERN
 from fogreduce.units import microseconds_since_1970
 
 #: Longest profile [s], some thirty years: beyond it a sum of seconds is no longer exact to the microsecond.

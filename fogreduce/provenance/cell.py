@@ -18,6 +18,8 @@ _CELL = re.compile(
     r"(?:(?P<run>[^:]+):)?(?P<table>[A-Za-z0-9_]+\.csv):"
     r"(?P<row>[^:@#]+)(?:@(?P<segment>[^:@#]+))?(?:#(?P<nth>[1-9][0-9]*))?:(?P<column>[^:]+)"
 )
+#: Rows that a fault names; the rest are counted.
+_ROWS = 12
 #: Columns whose error stands under another name.
 _ERROR_OF = {
     "accumulated_error_deg": "accumulated_deg",
@@ -88,10 +90,17 @@ def find_cell(results: Path, name: CellName) -> Cell:
     if name.nth is not None:
         fitting = fitting[name.nth - 1 : name.nth]
     if len(fitting) != 1:
-        known = ", ".join(row_names(header, rows)[:12]) or "none: the table is empty"
+        known = _some_rows(row_names(header, rows))
         asked = name.row + (f"@{name.segment}" if name.segment else "") + (f"#{name.nth}" if name.nth else "")
         raise BadInput.at(path, "", found=f"{len(fitting)} rows {asked}", expected=f"one row of {known}")
     return cell_at(name.table, header, rows, fitting[0], name.column)
+
+
+def _some_rows(names: Sequence[str]) -> str:
+    """Rows to choose from: those over all segments first, then as many of the others as a line takes."""
+    ordered = sorted(names, key=lambda name: not name.endswith("@all"))
+    more = f" and {len(names) - _ROWS} more" if len(names) > _ROWS else ""
+    return ", ".join(ordered[:_ROWS]) + more or "none: the table is empty"
 
 
 def cell_at(table: str, header: list[str], rows: list[list[str]], row: int, column: str) -> Cell:

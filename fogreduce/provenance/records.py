@@ -12,6 +12,7 @@ from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.metadata.base import Model, Name
 from fogreduce.metadata.faults import unexpected
+from fogreduce.metadata.patterns import CALIBRATION_PATTERN, SHA256_PATTERN, VERSION_PATTERN
 from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest
 
 MANIFEST = "manifest.json"
@@ -21,8 +22,8 @@ OUTPUTS_SCHEMA = "fogreduce/outputs/1"
 #: A record is small; what is larger is not one.
 LARGEST_RECORD_BYTES = 64 << 20
 
-Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-VersionId = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
+Sha256 = Annotated[str, Field(pattern=SHA256_PATTERN)]
+VersionId = Annotated[str, Field(pattern=VERSION_PATTERN)]
 
 
 def _inside(name: str) -> str:
@@ -59,7 +60,7 @@ class _Open(Model):
 class CalibrationUsed(_Open):
     """The calibration record that a run was reduced with."""
 
-    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")
+    id: str = Field(pattern=CALIBRATION_PATTERN)
     sha256: Sha256
 
 

@@ -183,8 +183,8 @@ CALIBRATION = [
     Case(
         "a calibration that is not named by version",
         _run({"calibration": "TETRA-01"}),
-        "$yaml: calibration: found the text 'TETRA-01'; expected text like "
-        "^[A-Za-z0-9][A-Za-z0-9._-]{0,63}@[A-Za-z0-9][A-Za-z0-9._-]{0,63}$$",
+        "$yaml: calibration: found the text 'TETRA-01'; expected a unit and a version of its "
+        "record, as in TETRA-01@2012a",
     ),
     Case(
         "polarity of three gyros",

@@ -225,7 +225,9 @@ def test_paths_that_are_nothing_of_ours(lab, tmp_path):
     assert line.endswith("absent: found no such file; expected a YAML file")
     (tmp_path / "empty").mkdir()
     (line,) = lab.faults(tmp_path / "empty")
-    assert line.endswith("empty: found a folder without run.yaml or runs; expected a run or a campaign")
+    assert line.endswith(
+        "empty: found a folder without run.yaml or runs; expected a run, a campaign or a folder of campaigns"
+    )
     (line,) = lab.faults(lab.runs[0] / "capture.fogcap")
     assert "capture.fogcap: " in line
 
@@ -234,3 +236,10 @@ def test_campaign_without_a_name(lab, tmp_path):
     lab.campaign.rename(tmp_path / "my campaign")
     (line,) = lab.faults(tmp_path / "my campaign")
     assert "found a campaign called my campaign; expected a name of 1 to 64 letters" in line
+
+
+def test_a_folder_of_campaigns(lab, capsys):
+    assert lab.check(lab.campaign.parent) == 0
+    assert f"{lab.campaign.name}: 3 runs" in capsys.readouterr().out
+    (lab.runs[1] / "run.yaml").unlink()
+    assert len(lab.faults(lab.campaign.parent)) == 1

@@ -1,5 +1,6 @@
 """What the models make of faultless files."""
 
+import ast
 import math
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
@@ -7,7 +8,9 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+import fogreduce
 from fogreduce.errors import BadInput
+from fogreduce.metadata import patterns as patterns_module
 from fogreduce.metadata.base import Model
 from fogreduce.metadata.calibration import DEFAULT_NOISE, DEFAULT_UNCERTAINTY, CalibrationRecord
 from fogreduce.metadata.campaign import Campaign
@@ -16,6 +19,7 @@ from fogreduce.metadata.curves import Curves
 from fogreduce.metadata.effects_file import EffectsFile
 from fogreduce.metadata.faults import dotted
 from fogreduce.metadata.instant import instant_text, parse_instant
+from fogreduce.metadata.patterns import IN_WORDS
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
 from fogreduce.units import instant_of
@@ -265,3 +269,26 @@ def test_the_example_campaigns_load():
                 cross_check(run, record, folder)
                 seen += 1
     assert seen == 42
+
+
+@pytest.mark.parametrize(
+    ("results", "raw"),
+    [("data/results", "campaigns_dir"), ("data", "campaigns_dir"), ("records/results", "calibrations_dir")],
+)
+def test_results_among_the_raw_data_are_refused(results: str, raw: str) -> None:
+    data = {"campaigns_dir": "./data/", "calibrations_dir": "records", "results_dir": results}
+    with pytest.raises(BadInput) as told:
+        WorkflowConfig.from_data(data, "configuration")
+    expected = f"a folder of its own, apart from {raw}"
+    assert str(told.value) == f"configuration: results_dir: found {results}; expected {expected}"
+
+
+def test_every_pattern_is_told_in_words() -> None:
+    """Schemas take patterns from one place, which has words for each."""
+    patterns = {value for name, value in vars(patterns_module).items() if name.endswith("_PATTERN")}
+    assert patterns == set(IN_WORDS)
+    for path in Path(fogreduce.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("Field"):
+                given = [word.value for word in node.keywords if word.arg == "pattern"]
+                assert all(isinstance(value, ast.Name) for value in given), (path, node.lineno)
