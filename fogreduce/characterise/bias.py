@@ -12,9 +12,9 @@ from fogreduce.calibrate.derive import Derivation
 from fogreduce.calibrate.shapes import ACCELERATION, Shape
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.left_open import bias_is_open
-from fogreduce.characterise.parity import residual_rates
 from fogreduce.characterise.quantity import COVERAGE, Quantity, normal, undetermined
 from fogreduce.characterise.spread import Spread, about_solution, spread_of_runs, spread_of_values
+from fogreduce.characterise.stretch import longest_stretch
 
 Array = NDArray[np.float64]
 
@@ -80,27 +80,24 @@ def _of_days(found: Derivation, gyro: int) -> Spread | None:
 
 
 def _stability(found: Derivation, gyro: int, of: str, choices: Definitions) -> Quantity:
-    """Scatter of means of so many seconds within the longest run at one rate."""
+    """Scatter of means of so many seconds within the longest stretch at one rate."""
     seconds = choices.bias_stability_s
-    best: tuple[int, Array, str] | None = None
-    for one in found.readings:
-        each = max(1, round(seconds / one.bin_s))
-        residual = residual_rates(one)[gyro]
-        for k in np.unique(one.segment):
-            values = residual[(one.segment == k) & np.isfinite(residual)]
-            count = values.size // each
-            if count >= _FEWEST_MEANS and (best is None or count > best[0]):
-                best = (count, values[: count * each].reshape(count, each).mean(axis=1), one.facts.run_id)
-    if best is None:
+    stretch = longest_stretch(found, gyro)
+    means = np.zeros(0)
+    if stretch is not None:
+        each = max(1, round(seconds / stretch.bin_s))
+        values = stretch.values[np.isfinite(stretch.values)]
+        means = values[: values.size // each * each].reshape(-1, each).mean(axis=1)
+    if stretch is None or means.size < _FEWEST_MEANS:
         needs = f"a run of {_FEWEST_MEANS * seconds:g} s and more at one rate"
         return undetermined("bias_stability", of, "deg/h", needs)
-    count, means, run = best
-    value = float(np.std(means, ddof=1))
+    left = means.size - 1 - stretch.fitted
+    about = means - means.mean()
+    value = math.sqrt(float(about @ about) / left)
     tail = (1 - COVERAGE) / 2
     # Means that are correlated (flicker) have fewer degrees of freedom than their number.
-    about = means - means.mean()
     lag = max(0.0, float(about[1:] @ about[:-1] / max(float(about @ about), 1e-300)))
-    freedom = max(2.0, (count - 1) * (1 - lag**2) / (1 + lag**2))
+    freedom = max(2.0, left * (1 - lag**2) / (1 + lag**2))
     low, high = (value * math.sqrt(freedom / float(chdtri(freedom, part))) for part in (tail, 1 - tail))
-    note = f"run {run}, {count} means of {seconds:g} s"
+    note = f"run {stretch.run}, {means.size} means of {seconds:g} s"
     return Quantity("bias_stability", of, "deg/h", value, low, high, note=note)

@@ -97,6 +97,8 @@ DEFINITIONS = {
     "rate_random_walk": Definition(
         "Rate random walk K", "Allan deviation K sqrt(tau / 3)", "IEEE 952, annex C"
     ),
+    "quantization": Definition("Quantization Q", "Allan deviation sqrt(3) Q / tau", "IEEE 952, annex C"),
+    "rate_ramp": Definition("Rate ramp R", "Allan deviation R tau / sqrt(2)", "IEEE 952, annex C"),
     "misalignment": Definition(
         "Input axis misalignment",
         "axis less the present record's, along a direction across it: [F(+Omega) - F(-Omega)] / (2 K Omega) "

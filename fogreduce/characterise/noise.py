@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
 from fogreduce.characterise.allan import channel_of
+from fogreduce.characterise.allan_fit import NOISES, Coefficient
 from fogreduce.characterise.parity import residual_rates
-from fogreduce.characterise.quantity import Quantity, normal, undetermined
+from fogreduce.characterise.quantity import K95, Quantity, normal, undetermined
+from fogreduce.characterise.stretch import Stretch, longest_stretch
 from fogreduce.estimate.coloured import FLICKER_FLAT
 
 Array = NDArray[np.float64]
@@ -18,15 +20,19 @@ Array = NDArray[np.float64]
 _FEWEST = 30
 #: Bins of a stretch at one rate from which on an Allan fit tells flicker and walk from white noise.
 _FEWEST_IN_FIT = 256
-_COEFFICIENTS = (
-    ("bias_instability", "B", "deg/h", "an hour or more at one rate, longer than bins of white noise take to"
-     " average below it"),
-    ("rate_random_walk", "K", "deg/h/sqrt(h)", "several hours at one rate"),
-)  # fmt: skip
+_COEFFICIENTS = {
+    "Q": ("quantization", "minutes at one rate"),
+    "B": (
+        "bias_instability",
+        "an hour or more at one rate, longer than bins of white noise take to average below it",
+    ),
+    "K": ("rate_random_walk", "several hours at one rate"),
+    "R": ("rate_ramp", "several hours at one rate"),
+}
 
 
 def noise_quantities(found: Derivation, gyro: int) -> list[Quantity]:
-    """Angle random walk from all runs; bias instability and rate random walk from the longest."""
+    """Angle random walk from all runs; Q, B, K and R from the longest stretch at one rate."""
     of = f"gyro{gyro + 1}"
     return [_angle_random_walk(found, gyro, of), *_of_allan(found, gyro, of)]
 
@@ -49,28 +55,27 @@ def _angle_random_walk(found: Derivation, gyro: int, of: str) -> Quantity:
 
 
 def _of_allan(found: Derivation, gyro: int, of: str) -> list[Quantity]:
-    """Of the Allan deviation of the longest stretch at one rate; stated where the fit finds them there."""
-    best: tuple[Array, float, str] | None = None
-    for one in found.readings:
-        residual = residual_rates(one)[gyro]
-        for k in np.unique(one.segment):
-            inside = one.segment == k
-            place = one.place[inside] - one.place[inside][0]
-            series = np.full(int(place[-1]) + 1, np.nan)
-            series[place] = residual[inside]
-            if best is None or series.size * one.bin_s > best[0].size * best[1]:
-                best = series, one.bin_s, one.facts.run_id
-    assert best is not None
-    series, bin_s, run = best
+    """Of the Allan deviation of the longest stretch at one rate; bounded where the fit does not see them."""
+    stretch = longest_stretch(found, gyro)
     channel = None
-    if np.count_nonzero(np.isfinite(series)) >= _FEWEST_IN_FIT:
-        channel = channel_of(of, series, bin_s, ("overlapping",), None, "NBK")
+    if stretch is not None and np.count_nonzero(np.isfinite(stretch.values)) >= _FEWEST_IN_FIT:
+        channel = channel_of(of, stretch.values, stretch.bin_s, ("overlapping",), (1,), density=False)
     quantities = []
-    for name, symbol, unit, needs in _COEFFICIENTS:
-        coefficient = None if channel is None else channel.coefficient(symbol)
-        if coefficient is None or not coefficient.significant:
-            limit = "" if coefficient is None else f" (run {run}: {coefficient.upper_95:.2g} at most)"
-            quantities.append(undetermined(name, of, unit, needs + limit))
+    for symbol, (name, needs) in _COEFFICIENTS.items():
+        unit = next(noise.unit for noise in NOISES if noise.symbol == symbol)
+        if stretch is None or channel is None or not channel.coefficients:
+            quantities.append(undetermined(name, of, unit, needs))
         else:
-            quantities.append(normal(name, of, unit, coefficient.value, coefficient.error, f"run {run}"))
+            quantities.append(_coefficient(channel.coefficient(symbol), name, of, stretch))
     return quantities
+
+
+def _coefficient(one: Coefficient, name: str, of: str, stretch: Stretch) -> Quantity:
+    """Its interval is that of its square, which is linear in the variances; 0 where it is not seen."""
+    half = K95 * one.square_error
+    low, high = (math.sqrt(max(0.0, one.square + side)) for side in (-half, half))
+    note = f"run {stretch.run}, {stretch.duration_s:.0f} s"
+    if low > 0:
+        return Quantity(name, of, one.noise.unit, one.value, low, high, note=note)
+    high = math.sqrt(max(0.0, one.square) + half)
+    return Quantity(name, of, one.noise.unit, 0.0, 0.0, high, note=f"{note}: not seen, a bound")

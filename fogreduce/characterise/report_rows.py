@@ -29,7 +29,10 @@ def determined(document: Document) -> list[dict[str, str]]:
             "title": DEFINITIONS[one["quantity"]].title,
             "footnote": str(notes[one["quantity"]]),
             "of": one["of"],
-            "value": plus_minus(one["value"], one["std"]),
+            # What is 0 is not seen: its interval bounds it.
+            "value": plus_minus(one["value"], one["std"])
+            if one["value"]
+            else f"≤ {number(one['high_95'], 2)}",
             "interval": _interval(one["low_95"], one["high_95"], one["std"]),
             "unit": one["unit"],
             "note": one["note"],
@@ -120,6 +123,13 @@ def verdict_line(document: Document) -> str:
     return ", ".join(f"{count} {word}" for word, count in counts.items()) + (
         f"; guard band {document['limits']['guard']:g} times the expanded uncertainty."
     )
+
+
+def _value(one: Document) -> str:
+    """The value and its error; of what is not seen, which is 0, the bound."""
+    if one["value"] == 0 and one["high_95"] > 0:
+        return f"≤ {number(one['high_95'], 2)}"
+    return plus_minus(one["value"], one["std"])
 
 
 def _interval(low: float, high: float, std: float) -> str:

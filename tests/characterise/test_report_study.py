@@ -66,6 +66,7 @@ OPEN = {
 ALWAYS_OPEN = {
     *("magnetic_sensitivity", "bandwidth", "warm_up", "bias_temperature", "bias_warming"),
     *("bias_electronics_temperature", "scale_factor_temperature", "rate_random_walk"),
+    *("quantization", "bias_instability", "rate_ramp"),
 }
 #: In the record of the bench, or none: flicker is left out, so that means of white noise are what they are.
 TURN_ON = (0.3, 0.2, 0.5, 0.1)
