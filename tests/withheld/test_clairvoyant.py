@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bench import SCALE, campaign, run
+from bench import COUNTS_PER_DEG_H, SCALE, campaign, run
 from scipy.linalg import toeplitz
 from scipy.stats import chi2, multivariate_normal
 
@@ -12,7 +12,7 @@ from withheld.chain.electronics import first_order
 from withheld.chain.injector import exact_world, realistic_world, run_counts
 from withheld.clairvoyant.appraisal import appraise, effect_snr
 from withheld.clairvoyant.blocks import block_count, difference, metric
-from withheld.clairvoyant.closures import subset_closure
+from withheld.clairvoyant.closures import captured, full_rate_gain, subset_closure
 from withheld.clairvoyant.covariance import block_covariance, walk
 from withheld.clairvoyant.exchange import left_of, places
 from withheld.clairvoyant.full_rate import Healthy, bernoulli_divergence
@@ -319,6 +319,56 @@ def test_closures_of_single_effects():
     assert subset_closure(gram, [1]) == pytest.approx(parts[1], abs=1e-3)
     assert subset_closure(gram, [0, 1]) == pytest.approx(known["oracle_closure"], abs=1e-6)
     assert subset_closure(gram, []) == 0.0
+
+
+def test_what_only_the_full_rate_shows_is_a_part_of_the_gap():
+    of = campaign(*THREE)
+    entries = (on("bias_offset", deg_h=1.0), on("dropouts", "gyro3", fraction=2e-3))
+    known = appraise(exact_world(of, entries), ALL, HEALTHY)
+    gram, snrs = np.array(known["closure_gram"]), [e["snr"] for e in known["effects"]]
+    parts = [subset_closure(gram, [k]) for k in (0, 1)]
+    assert sum(parts) == pytest.approx(subset_closure(gram, [0, 1])) == pytest.approx(1.0, abs=1e-6)
+    # some 77 readings were lost: their number is known to an eighth
+    assert parts[1] / parts[0] == pytest.approx((snrs[1] / snrs[0]) ** 2, rel=0.4)
+    # a unit whose link alone is at fault
+    link = appraise(exact_world(of, entries[1:]), ALL, HEALTHY)
+    assert subset_closure(np.array(link["closure_gram"]), [0]) == pytest.approx(1.0)
+
+
+def test_a_line_in_the_captures_gains_what_it_is():
+    of = campaign(*THREE)
+    line = on("periodic_interference", deg_h=6.0, frequency_hz=7.3)
+    exact = exact_world(of, (line,))
+    assert full_rate_gain(exact, line, HEALTHY) == pytest.approx(found(of, line) ** 2, rel=1e-6)
+    gains = [full_rate_gain(realistic_world(of, (line,), seed), line, HEALTHY) for seed in range(12)]
+    # |c + n|^2 - |n|^2 scatters by 2 |c|
+    size = found(of, line)
+    assert np.mean(gains) == pytest.approx(size**2, abs=2.0 * size)
+    assert 0.8 * size < np.std(gains) < 4.0 * size
+
+
+def test_the_gap_of_these_captures_has_their_noise_in_it():
+    of = campaign(run("a", 8.0, 100.0), run("b", 0.0, 100.0))
+    world = realistic_world(of, (on("bias_offset", deg_h=1.0),), 3)
+    still = exact_world(of)
+    for one, means in zip(of.runs, captured(world), strict=True):
+        _, counts = run_counts(world, one)
+        _, predicted = run_counts(still, one)
+        samples = (counts - predicted) / COUNTS_PER_DEG_H
+        blocks, length = block_count(one)
+        each = samples.reshape(blocks, -1, 3).mean(axis=1)
+        assert length == 1.0
+        # counts are whole, and a scale factor is 20 ppm off
+        np.testing.assert_allclose(means, each, atol=2.0 / COUNTS_PER_DEG_H)
+    known = appraise(world, ALL, HEALTHY)
+    # noise along the offset is in the gap and, to first order, in what closes
+    assert subset_closure(np.array(known["closure_gram"]), [0]) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_further_random_process_has_no_closure_to_compare_with():
+    of = campaign(*THREE)
+    world = exact_world(of, (on("bias_offset", deg_h=1.0), on("rate_random_walk", deg_h_sqrt_h=3.0)))
+    assert appraise(world, ALL, HEALTHY)["closure_gram"] is None
 
 
 def test_a_set_of_causes_that_does_what_the_true_set_does():

@@ -23,6 +23,20 @@ def _hits(entry: Entry, samples: int, rng: np.random.Generator) -> Flags:
     return struck
 
 
+def struck(
+    run: Run, entry: Entry, number: int, gyro: int, samples: int, seed: int, campaign: str
+) -> tuple[Flags, np.random.Generator]:
+    """Samples of a gyro (from 0) that an entry strikes in a run, (samples,), and the generator after them.
+
+    `number`: the entry's place among those of its effect in the run.
+    """
+    rng = stream(seed, campaign, "link", run.run_id, entry.effect, str(number), f"gyro{gyro + 1}")
+    hits = _hits(entry, samples, rng)
+    if entry.effect == "stuck_samples":
+        hits[0] = False
+    return hits, rng
+
+
 def link(run: Run, entries: tuple[Entry, ...], counts: Counts, seed: int, campaign: str) -> Counts:
     """Stuck samples, spikes, dropouts, swapped columns, wrong polarity, in that order, (k, n) int64.
 
@@ -33,17 +47,15 @@ def link(run: Run, entries: tuple[Entry, ...], counts: Counts, seed: int, campai
     for effect in ("stuck_samples", "spikes", "dropouts"):
         for number, e in enumerate(select(entries, run.run_id, effect)):
             for i in e.gyros():
-                rng = stream(seed, campaign, "link", run.run_id, effect, str(number), f"gyro{i + 1}")
-                struck = _hits(e, len(out), rng)
+                hits, rng = struck(run, e, number, i, len(out), seed, campaign)
                 if effect == "stuck_samples":
-                    struck[0] = False
-                    source = np.maximum.accumulate(np.where(struck, 0, np.arange(len(out))))
+                    source = np.maximum.accumulate(np.where(hits, 0, np.arange(len(out))))
                     out[:, i] = out[source, i]
                 elif effect == "spikes":
                     reach = int(SPURIOUS * e.departure.get("reach", 1.0))
-                    out[struck, i] = rng.integers(-reach, reach, int(struck.sum()), endpoint=True)
+                    out[hits, i] = rng.integers(-reach, reach, int(hits.sum()), endpoint=True)
                 else:
-                    out[struck, i] = MISSING
+                    out[hits, i] = MISSING
     for e in select(entries, run.run_id, "channel_swap"):
         one, other = e.gyros()[0], int(e.parameters["with"][4:]) - 1
         out[:, [one, other]] = out[:, [other, one]]

@@ -148,7 +148,7 @@ def appraise(world: World, catalogue: frozenset[str], healthy: Healthy) -> dict[
     several = len(world.entries) >= SEVERAL
     return {
         "effects": effects, "slow_snr": snr(inner, whole), "oracle_closure": oracle_closure(world, inner),
-        "closure_gram": closure_gram(world, inner),
+        "closure_gram": closure_gram(world, inner, healthy),
         "linear": linear_columns(inner, model, truths, keys, rivals) if several else None,
     }  # fmt: skip
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from withheld.arrays import Array
-from withheld.chain.campaign import Run
+from withheld.chain.campaign import Run, Unit
 from withheld.chain.electronics import volts
 from withheld.chain.injector import World
 from withheld.chain.link import stamps_us
@@ -192,15 +192,18 @@ def faults(world: World, entry: Entry, healthy: Healthy) -> float:
     return float(np.sqrt(2.0 * samples * bernoulli_divergence(struck, healthy.link_fault)))
 
 
+def equal_by_chance(unit: Unit, run: Run, i: int) -> float:
+    """Chance that neighbours of gyro i are equal in white noise of sigma counts: 1 / (2 sigma sqrt(pi))."""
+    sigma = unit.white_deg_s(run.sample_rate_hz)[i] * unit.scale_factor[i] / run.volts_per_count
+    return float(min(1.0 / (2.0 * sigma * np.sqrt(np.pi)), 0.5))
+
+
 def repeats(world: World, entry: Entry, healthy: Healthy) -> float:
-    """stuck_samples: the number of equal neighbours, against their chance in white noise of sigma counts,
-    1 / (2 sigma sqrt(pi)).
-    """
-    unit, total = world.campaign.unit, 0.0
+    """stuck_samples: the number of equal neighbours, against their chance in white noise."""
+    total = 0.0
     for run in _runs(world, entry):
         for i in entry.gyros():
-            sigma = unit.white_deg_s(run.sample_rate_hz)[i] * unit.scale_factor[i] / run.volts_per_count
-            chance = min(1.0 / (2.0 * sigma * np.sqrt(np.pi)), 0.5)
+            chance = equal_by_chance(world.campaign.unit, run, i)
             fraction = entry.number("fraction")
             total += 2.0 * run.samples * bernoulli_divergence(fraction + (1 - fraction) * chance, chance)
     return float(np.sqrt(total))

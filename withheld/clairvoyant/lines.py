@@ -4,6 +4,7 @@ The block means and the departures from them are independent under white noise, 
 separations^2 of the two parts add.  (Flicker and random walk within a second are far below the white noise.)
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from withheld.arrays import Array
 from withheld.chain.campaign import Run
 from withheld.chain.electronics import interference
 from withheld.chain.injector import World
+from withheld.chain.noise import noise
 from withheld.chain.readings import readings
 from withheld.clairvoyant.blocks import block_count
 from withheld.effects.entry import Entry
@@ -29,8 +31,30 @@ def _full(world: World, run: Run, t: Array) -> Array:
 
 def within_blocks(world: World, entry: Entry) -> Array:
     """SNR^2 of what the effect does within blocks, by gyro, (n,)."""
-    unit = world.campaign.unit
-    total = np.zeros(unit.n)
+    total = np.zeros(world.campaign.unit.n)
+    for run, rest in _within(world, entry):
+        total += np.sum(rest**2, axis=(0, 1)) / world.campaign.unit.white_deg_s(run.sample_rate_hz) ** 2
+    return total
+
+
+def gained_within_blocks(world: World, entry: Entry) -> float:
+    """How much of the squared deviates of this world's samples the effect takes away within blocks.
+
+    With the samples' noise n and what the effect does c: |c + n|^2 - |n|^2, in standard deviations.
+    """
+    campaign, total = world.campaign, 0.0
+    for run, rest in _within(world, entry):
+        blocks, per, n = rest.shape
+        part = rest
+        if world.noisy:
+            whole = noise(run, campaign.unit, world.truth, world.entries, world.seed, campaign.name)
+            part = rest + 2.0 * whole[: blocks * per].reshape(blocks, per, n)
+        total += float(np.sum(rest * part / campaign.unit.white_deg_s(run.sample_rate_hz) ** 2))
+    return total
+
+
+def _within(world: World, entry: Entry) -> Iterator[tuple[Run, Array]]:
+    """Of each run, what the effect does less its blocks' means, (blocks, samples, n) [deg/s]."""
     for run in world.campaign.runs:
         if not entry.acts_in(run.run_id):
             continue
@@ -40,10 +64,8 @@ def within_blocks(world: World, entry: Entry) -> Array:
             continue
         t = np.arange(blocks * per) / run.sample_rate_hz
         change = _full(replace(world, entries=(entry,)), run, t) - _full(replace(world, entries=()), run, t)
-        parts = change.reshape(blocks, per, unit.n)
-        rest = parts - parts.mean(axis=1, keepdims=True)
-        total += np.sum(rest**2, axis=(0, 1)) / unit.white_deg_s(run.sample_rate_hz) ** 2
-    return total
+        parts = change.reshape(blocks, per, world.campaign.unit.n)
+        yield run, parts - parts.mean(axis=1, keepdims=True)
 
 
 def motion_share(world: World, weights: Array) -> float:

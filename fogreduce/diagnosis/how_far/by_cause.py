@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.how_far.closure import Closure, HeldOut, Key, squared_deviates
+from fogreduce.diagnosis.how_far.closure import Closure, HeldOut, Key, Sum
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.model import simulated
 from fogreduce.diagnosis.observe.capture import RunInput
@@ -105,22 +105,24 @@ class _Subsets:
         return self._known[taken]
 
     def _closed(self, taken: frozenset[Key]) -> Closure:
-        whole = self.closure
-        after = sum(self._slow(held, taken) for held in whole.held)
-        after += sum(two if key in taken else one for key, (one, two) in whole.at_full_rate.items())
-        return Closure(whole.measure, whole.held_out, whole.before, after, whole.expected)
+        whole, after = self.closure, Sum()
+        for held in whole.held:
+            self._add(after, held, taken)
+        for key, (one, two) in whole.at_full_rate.items():
+            after.add(two if key in taken else one)
+        sums = (whole.before, after.value, whole.expected, whole.before_std, after.std)
+        return Closure(whole.measure, whole.held_out, *sums)
 
-    def _slow(self, held: HeldOut, taken: frozenset[Key]) -> float:
+    def _add(self, after: Sum, held: HeldOut, taken: frozenset[Key]) -> None:
         mine = [c for c in held.causes if c.key in taken]
         noisy = bool(self.in_noise & taken)
-        whiten = held.whiten if noisy else held.bare_whiten
-        change = np.zeros(whiten.rows.total)
+        part = held.noisy if noisy else held.bare
+        change = np.zeros(part.whiten.rows.total)
         if mine:
-            change = simulated(self.inputs, mine, whiten.rows) - simulated(self.inputs, [], whiten.rows)
-        white = whiten(change[:, None])[:, 0]
-        if noisy:
-            return squared_deviates(held.metric, held.features, held.y - white)[0]
-        return squared_deviates(held.bare, held.bare_features, held.bare_y - white)[0]
+            rows = part.whiten.rows
+            change = simulated(self.inputs, mine, rows) - simulated(self.inputs, [], rows)
+        left = part.y - part.whiten(change[:, None])[:, 0]
+        after.add_fold(held.noisy_deviates if noisy else held.bare_deviates, left)
 
 
 class _Guess:
@@ -128,35 +130,25 @@ class _Guess:
 
     def __init__(self, left: _Subsets) -> None:
         self._left = left
-        self._parts: list[tuple[dict[Key, Array], Array, Array]] = []
+        self._parts: list[tuple[dict[Key, Array], Array]] = []
         for held in left.closure.held:
-            nothing = simulated(left.inputs, [], held.whiten.rows)
-            changes = {c.key: simulated(left.inputs, [c], held.whiten.rows) - nothing for c in held.causes}
-            white = {key: held.bare_whiten(change[:, None])[:, 0] for key, change in changes.items()}
-            gram = held.bare.gram(held.bare_features, held.bare_features)
-            size = np.sqrt(np.diag(gram) + 1e-300)
-            inverse = np.linalg.pinv(gram / np.outer(size, size), rcond=1e-8, hermitian=True)
-            onto = {
-                key: held.bare.gram(held.bare_features, one[:, None])[:, 0] / size
-                for key, one in white.items()
+            rows = held.bare.whiten.rows
+            nothing = simulated(left.inputs, [], rows)
+            changes = {c.key: simulated(left.inputs, [c], rows) - nothing for c in held.causes}
+            of = {
+                key: held.bare_deviates.of(held.bare.whiten(change[:, None])[:, 0])
+                for key, change in changes.items()
             }
-            b = held.bare.gram(held.bare_features, held.bare_y[:, None])[:, 0] / size
-            self._parts.append((onto, b, np.asarray(inverse)))
+            self._parts.append((of, held.bare_deviates.of(held.bare.y)))
 
     def after(self, taken: frozenset[Key]) -> float:
         """About what is left beside a subset."""
         total = 0.0
-        for onto, b, inverse in self._parts:
-            left = b - sum((onto[key] for key in taken if key in onto), np.zeros_like(b))
-            total += float(left @ inverse @ left)
-        whole = self._left.closure.at_full_rate
-        return total + sum(two if key in taken else one for key, (one, two) in whole.items())
-
-
-def _onto(held: HeldOut, white: Array) -> Array:
-    """Products of a fold's features with a whitened vector (rows,)."""
-    products: Array = held.bare.gram(held.bare_features, white[:, None])[:, 0]
-    return products
+        for of, whole in self._parts:
+            left = whole - sum((of[key] for key in taken if key in of), np.zeros_like(whole))
+            total += float(left @ left)
+        fast = self._left.closure.at_full_rate
+        return total + sum(two if key in taken else one for key, (one, two) in fast.items())
 
 
 def _in_noise(cause: Cause) -> bool:

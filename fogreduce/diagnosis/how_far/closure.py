@@ -4,7 +4,8 @@ Each run's blocks are dealt in turn to two folds; causes are fitted on one and h
 ways.
 What is summed are the squared deviates of the features in which the gap shows and of those that the causes
 change, as the catalogue has them and as they may depart from it, noise and stated uncertainties in their
-metric: its expectation, when nothing is left, is their number.
+metric, weighed so that both folds together count as all blocks do (`measure`). Beside them stand statistics
+of the full rate, each with twice the ln likelihood that its cause gains.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.how_far.measure import Deviates, Part, deviates
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
 from fogreduce.diagnosis.inference.fitted import refined
-from fogreduce.diagnosis.inference.model import modelled
+from fogreduce.diagnosis.inference.model import modelled, modelled_change
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener, nuisances, whitener
 from fogreduce.diagnosis.inference.search import Search, _processes
 from fogreduce.diagnosis.observe.data import Data
@@ -47,24 +49,17 @@ class HeldOut:
     ----------
     causes : tuple of Cause
         Those in block means, with the other fold's parameters.
-    whiten : Whitener
-    metric, features : Metric, (rows, m) array
-        With the random processes among the causes in the noise.
-    bare, bare_features : Metric, (rows, m) array
+    noisy, noisy_deviates : Part, Deviates
+        The fold with the random processes among the causes in its noise.
+    bare, bare_deviates : Part, Deviates
         Without them.
-    y, bare_y : (rows,) arrays
-        Residual, whitened in either noise.
     """
 
     causes: tuple[Cause, ...]
-    whiten: Whitener
-    metric: Metric
-    features: Array
-    y: Array
-    bare: Metric
-    bare_features: Array
-    bare_y: Array
-    bare_whiten: Whitener
+    noisy: Part
+    noisy_deviates: Deviates
+    bare: Part
+    bare_deviates: Deviates
 
 
 @dataclass(frozen=True)
@@ -75,6 +70,8 @@ class Closure:
     ----------
     measure, held_out : str
     before, after, expected : float
+    before_std, after_std : float
+        Standard deviations of the sums, as sums of squares of normal deviates.
     placebo : float or None
         The fraction that a wrong effect, fitted as hard, would close.
     held : tuple of HeldOut
@@ -91,6 +88,8 @@ class Closure:
     before: float
     after: float
     expected: float
+    before_std: float = 0.0
+    after_std: float = 0.0
     placebo: float | None = None
     held: tuple[HeldOut, ...] = ()
     at_full_rate: Mapping[Key, tuple[float, float]] = field(default_factory=dict)
@@ -104,24 +103,39 @@ class Closure:
 
     @property
     def std(self) -> float:
-        """Its standard deviation: those of the two sums, as sums of squared normal deviates, and departures'.
-
-        The folds share stated uncertainties, and each has the noise of the other's fit: they count as one.
-        """
+        """Its standard deviation: those of the two sums, and departures'."""
         gap = max(self.before - self.expected, 1e-9)
-        left = 4.0 * self.expected + 8.0 * max(self.after - self.expected, 0.0)
-        whole = 4.0 * self.expected + 8.0 * gap
-        noise = np.sqrt(left + (1.0 - self.fraction) ** 2 * whole) / gap
+        noise = np.hypot(self.after_std, (1.0 - self.fraction) * self.before_std) / gap
         return float(np.hypot(noise, self.departure))
 
 
-@dataclass(frozen=True)
-class _Fold:
-    """One fold's metric and residual."""
+@dataclass
+class Sum:
+    """Squared deviates of both folds, and statistics of the full rate.
 
-    whiten: Whitener
-    metric: Metric
-    y: Array
+    The folds share stated uncertainties, and each has the noise of the other's fit: their errors add up as if
+    they were one. Statistics of the full rate are on their own.
+    """
+
+    value: float = 0.0
+    _folds: float = 0.0
+    _others: float = 0.0
+
+    @property
+    def std(self) -> float:
+        """Standard deviation of the sum."""
+        return float(np.sqrt(self._folds**2 + self._others))
+
+    def add_fold(self, deviates: Deviates, y: Array) -> None:
+        """A fold's whitened residual (rows,)."""
+        z = deviates.of(y)
+        self.value += float(z @ z)
+        self._folds += deviates.std(z)
+
+    def add(self, value: float) -> None:
+        """A squared deviate of one degree of freedom."""
+        self.value += value
+        self._others += 2.0 + 4.0 * max(value - 1.0, 0.0)
 
 
 def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) -> Closure:
@@ -132,29 +146,36 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     sums = _Sums()
     if families or slow:
         sums = _of_block_means(search, causes, slow, families)
-    before, after, expected = sums.before, sums.after, sums.expected
     alone: dict[Key, tuple[float, float]] = {}
     held_out = _held_out(data, causes) if families or slow else ""
-    fast = [c for c in causes if c.finding is not None]
+    # a random process that block means were held against is in their noise
+    fast = [c for c in causes if c.finding is not None and not (held_out and c.process)]
+    halves: list[bool] = []
     for cause in fast:
         pair = _fast_closure(data, cause, search.allowed)
-        if pair is not None:
-            before, after, expected = before + pair[0], after + pair[1], expected + 1.0
-            alone[cause.key] = pair
-            held_out = held_out or "every other run, both ways"
+        halves.append(pair is not None)
+        alone[cause.key] = pair or _as_fitted(cause)
+        sums.before.add(alone[cause.key][0])
+        sums.after.add(alone[cause.key][1])
+        sums.expected += 1.0
     if not causes:
-        before = after = sum(p.q + p.degrees for p in found)
-        expected = float(sum(p.degrees for p in found))
-    if not before and fast:
-        before = sum(c.finding.snr2 + 1.0 for c in fast if c.finding is not None)
-        after = expected = float(len(fast))
-        held_out = "nothing: a single run's full-rate statistics cannot be divided"
+        sums = _Sums(expected=float(sum(p.degrees for p in found)))
+        for p in found:
+            sums.before.add(p.q + p.degrees)
+            sums.after.add(p.q + p.degrees)
+    words = [held_out] if held_out else []
+    if any(halves):
+        words.append("of the full rate every other run, both ways")
+    if not all(halves):
+        words.append("of the full rate, where runs cannot be divided, nothing")
     return Closure(
         _MEASURE,
-        held_out or "nothing was fitted",
-        before,
-        after,
-        expected,
+        "; ".join(words) or "nothing was fitted",
+        sums.before.value,
+        sums.after.value,
+        sums.expected,
+        sums.before.std,
+        sums.after.std,
         float(np.clip(np.mean(sums.placebo), -1.0, 1.0)) if sums.placebo else None,
         tuple(sums.held),
         alone,
@@ -164,10 +185,10 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
 
 @dataclass
 class _Sums:
-    """Of block means, over both folds."""
+    """Over both folds."""
 
-    before: float = 0.0
-    after: float = 0.0
+    before: Sum = field(default_factory=Sum)
+    after: Sum = field(default_factory=Sum)
     expected: float = 0.0
     placebo: list[float] = field(default_factory=list)
     held: list[HeldOut] = field(default_factory=list)
@@ -182,32 +203,30 @@ def _of_block_means(
     columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
     # what a converter does to block means is its own doing, of a phase that nobody knows
     codes = converter_means(data.inputs, causes, data.noise_raw(), search.ground.whiten.rows)
-    wide = np.column_stack([columns, codes])
-    folds = [_fold(search, parity, causes, wide) for parity in (0, 1)]
-    plain = folds
+    features = _features(search, families, slow)
+    noisy = [_part(search, keep, causes, np.column_stack([columns, codes])) for keep in _KEPT]
+    bare = noisy
     if _processes(causes) or codes.shape[1]:
-        plain = [_fold(search, parity, slow, columns) for parity in (0, 1)]
-    for fitted, held, bare in ((folds[0], folds[1], plain[1]), (folds[1], folds[0], plain[0])):
+        bare = [_part(search, keep, slow, columns) for keep in _KEPT]
+    measures = deviates(noisy[-1], noisy[:2], features)
+    plain = measures if bare is noisy else deviates(bare[-1], bare[:2], features)
+    for this, other in ((1, 0), (0, 1)):
+        held, fitted = noisy[this], noisy[other]
         mine: Sequence[Cause] = slow
         if not instant:
             args = (data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y)
             mine = refined(*args, rounds=3).causes
-        there = modelled(data.inputs, mine, held.whiten, nominal)
-        shapes = _shapes(data, mine, held.whiten.rows)
-        features = _features(search, families, there.slopes, shapes, held.whiten)
-        bare_features = _features(search, families, there.slopes, shapes, bare.whiten)
-        whole = (held.whiten, held.metric, features, held.y)
-        sums.held.append(
-            HeldOut(tuple(mine), *whole, bare.metric, bare_features, bare.y, bare_whiten=bare.whiten)
-        )
+        change = modelled_change(data.inputs, mine, held.whiten, nominal)
+        sums.held.append(HeldOut(tuple(mine), held, measures[this], bare[this], plain[this]))
         # a random process does not change what is predicted but how far from it one may be
-        one, number = squared_deviates(bare.metric, bare_features, bare.y)
-        two, _ = squared_deviates(held.metric, features, held.y - there.change)
-        sums.before, sums.after, sums.expected = sums.before + one, sums.after + two, sums.expected + number
-        wrong = _placebo(search, slow, fitted, bare)
+        sums.before.add_fold(plain[this], bare[this].y)
+        sums.after.add_fold(measures[this], held.y - change)
+        sums.expected += measures[this].expected
+        wrong = _placebo(search, slow, bare[other], bare[this])
         if wrong is not None:
-            three, _ = squared_deviates(bare.metric, bare_features, bare.y - wrong)
-            sums.placebo.append((one - three) / max(one - number, 1e-9))
+            one, two = (plain[this].of(y) for y in (bare[this].y, bare[this].y - wrong))
+            gap = float(one @ one) - plain[this].expected
+            sums.placebo.append(float(one @ one - two @ two) / max(gap, 1e-9))
     return sums
 
 
@@ -236,20 +255,24 @@ def _within_a_block(data: Data, cause: Cause) -> bool:
     return late < data.inputs[0].scene.blocks.length_s
 
 
-def _masks(data: Data, parity: int) -> list[NDArray[np.bool_]]:
+#: Stretches of which fold a part keeps: of one, of the other, of both.
+_KEPT = ((0,), (1,), (0, 1))
+
+
+def _masks(data: Data, keep: Sequence[int]) -> list[NDArray[np.bool_]]:
     masks = []
     for one in data.inputs:
         count = one.scene.blocks.count
         stretch = np.arange(count) * _DEALS // max(count, 1)
-        masks.append(stretch % 2 == parity)
+        masks.append(np.isin(stretch % 2, keep))
     return masks
 
 
-def _fold(search: Search, parity: int, causes: Sequence[Cause], columns: Array) -> _Fold:
-    data = search.data.with_parts(_masks(search.data, parity))
+def _part(search: Search, keep: Sequence[int], causes: Sequence[Cause], columns: Array) -> Part:
+    data = search.data.with_parts(_masks(search.data, keep))
     whiten = whitener(data.inputs, data.sizes, search.fast.level, _processes(causes))
     y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
-    return _Fold(whiten, Metric.of(whiten(columns)), y)
+    return Part(whiten, Metric.of(whiten(columns)), y)
 
 
 def _shapes(data: Data, slow: Sequence[Cause], rows: Rows) -> Array:
@@ -259,13 +282,13 @@ def _shapes(data: Data, slow: Sequence[Cause], rows: Rows) -> Array:
     return np.column_stack([np.zeros((rows.total, 0)), *columns])
 
 
-def _features(
-    search: Search, families: Sequence[Candidate], slopes: Array, shapes: Array, whiten: Whitener
-) -> Array:
-    """Whitened columns (rows, m) of features, causes and their departures under a fold's whitener."""
+def _features(search: Search, families: Sequence[Candidate], slow: Sequence[Cause]) -> Array:
+    """Columns (rows, m) [deg/h] of features, causes and their departures."""
     ground = search.ground.whiten
-    room = _MOST_FEATURES - slopes.shape[1] - shapes.shape[1]
-    wholes = [np.zeros((ground.rows.total, 0))]
+    model = modelled(search.data.inputs, slow, ground, search.ground.nominal)
+    shapes = _shapes(search.data, slow, ground.rows)
+    room = _MOST_FEATURES - model.slopes.shape[1] - shapes.shape[1]
+    wholes = [model.slopes]
     for family in families:
         if family.columns.shape[2] > room:
             continue
@@ -274,7 +297,7 @@ def _features(
         whole[family.rows] = family.columns[:, 0, :]
         wholes.append(whole)
     # all at once: filters are solved for once
-    return np.column_stack([slopes, whiten(shapes), whiten(_coloured(ground, np.column_stack(wholes)))])
+    return np.column_stack([_coloured(ground, np.column_stack(wholes)), shapes])
 
 
 def _coloured(ground: Whitener, white: Array) -> Array:
@@ -286,18 +309,7 @@ def _coloured(ground: Whitener, white: Array) -> Array:
     return out
 
 
-def squared_deviates(metric: Metric, features: Array, y: Array) -> tuple[float, float]:
-    """Squared deviates of y over the span of features, and how many they are."""
-    if features.shape[1] == 0:
-        return 0.0, 0.0
-    gram = metric.gram(features, features)
-    values, vectors = np.linalg.eigh(gram / np.sqrt(np.outer(np.diag(gram), np.diag(gram)) + 1e-300))
-    some = values > 1e-8 * values[-1]
-    b = metric.gram(features, y[:, None])[:, 0] / np.sqrt(np.diag(gram) + 1e-300)
-    return float(np.sum((vectors[:, some].T @ b) ** 2 / values[some])), float(some.sum())
-
-
-def _placebo(search: Search, slow: Sequence[Cause], fitted: _Fold, held: _Fold) -> Array | None:
+def _placebo(search: Search, slow: Sequence[Cause], fitted: Part, held: Part) -> Array | None:
     """What a wrong effect, fitted on one fold, changes on the other: the first linear one at another gyro."""
     seats = {name for c in slow for name in c.channels}
     for candidate in search.ground.candidates:
@@ -315,7 +327,11 @@ def _placebo(search: Search, slow: Sequence[Cause], fitted: _Fold, held: _Fold) 
 
 
 def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[float, float] | None:
-    """Before and after of a full-rate cause: its first number, fitted on every other run, on the rest."""
+    """Before and after of a full-rate cause: its first number, fitted on every other run, on the rest.
+
+    Before: twice the ln likelihood that both halves gain; after: how far its number on one half is from that
+    on the other, squared, in standard deviations of their difference. None where a half does not show it.
+    """
     if len(data.full) < 2 or cause.finding is None:
         return None
     found = []
@@ -326,14 +342,15 @@ def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[fl
             return None
         found.append(same[0])
     name, (value, _) = next(iter(cause.finding.parameters.items()))
-    off = data.stated_white[int(cause.channels[0][4:]) - 1] if name == "deg_sqrt_h" else 0.0
-    before = after = 0.0
-    for fitted, held in ((found[0], found[1]), (found[1], found[0])):
-        std = float(held.parameters[name][1] or 0.0)
-        # a discrete or exactly known number has no error of its own
-        std = max(std, 1e-3 * abs(float(value)), 1e-12)
-        # a level is known to no better than the record's, whose doubt its significance has in it
-        deviate2 = 0.0 if off else (float(held.parameters[name][0]) / std) ** 2
-        before += 0.5 * max(held.snr2, deviate2)
-        after += 0.25 * ((float(held.parameters[name][0]) - float(fitted.parameters[name][0])) / std) ** 2
-    return before + 1.0, after
+    # a discrete or exactly known number has no error of its own
+    least = max(1e-3 * abs(float(value)), 1e-12)
+    stds = [max(float(f.parameters[name][1] or 0.0), least) for f in found]
+    apart = float(found[0].parameters[name][0]) - float(found[1].parameters[name][0])
+    after = 0.25 * apart**2 * (stds[0] ** -2 + stds[1] ** -2)
+    return found[0].snr2 + found[1].snr2 + 1.0, after
+
+
+def _as_fitted(cause: Cause) -> tuple[float, float]:
+    """Before and after of a full-rate cause where nothing can be kept from the fit."""
+    assert cause.finding is not None
+    return cause.finding.snr2 + 1.0, 1.0

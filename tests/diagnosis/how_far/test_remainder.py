@@ -22,11 +22,9 @@ class _Caused:
 
 def judged(word: str, fraction: float, std: float, *further: Place) -> Verdict:
     """A verdict of one cause, tested with a closure of `fraction` +- `std` and what is left further."""
-    gap = 10000.0
-    expected = (std * gap / 2.0) ** 2  # std is 2 sqrt(expected) / gap where nothing is left
-    whole = expected + gap
+    gap, expected = 10000.0, 100.0
     after = expected + (1.0 - fraction) * gap
-    closure = Closure("", "", whole, after, expected)
+    closure = Closure("", "", expected + gap, after, expected, 0.0, std * gap)
     remainder = Remainder(0.5 if not further else 1e-6, further, further)
     return borne_out(Verdict(word, 1.0, 0.02, _Caused(), [], ()), closure, remainder)  # type: ignore[arg-type]
 
