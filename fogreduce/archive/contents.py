@@ -16,7 +16,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from fogreduce.archive.names import faults_of_names, plain_files
@@ -75,6 +76,7 @@ class Contents:
     campaign: str
     items: list[Item]
     runs: list[RunRecord]
+    left_out: Mapping[str, str] = field(default_factory=dict)  # run -> why its results are not there
 
 
 def campaigns_in(results: Path) -> list[str]:
@@ -88,7 +90,14 @@ def _is_run(manifest: Path) -> bool:
     return all(re.fullmatch(NAME_PATTERN.strip("^$"), part) for part in manifest.parts[-3:-1])
 
 
-def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, source: Path) -> Contents:
+def contents(
+    results: Path,
+    campaign: str,
+    campaigns: Path,
+    calibrations: Path,
+    source: Path,
+    left_out: Mapping[str, str] | None = None,
+) -> Contents:
     """The archive of one campaign, planned.
 
     Parameters
@@ -101,13 +110,18 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
         Folders of the campaigns and of the calibration records.
     source : Path
         Folder of the package's source.
+    left_out : mapping, optional
+        Runs that failed or were taken out of the campaign, with the reason: their results stay out, what the
+        campaign has of them goes in.
 
     Raises
     ------
     BadInput
         A file that the records name is not there, or another lies where none should.
     """
+    left_out = {} if left_out is None else left_out
     folders = sorted(path.parent for path in (results / campaign).glob(f"*/{MANIFEST}") if _is_run(path))
+    folders = [folder for folder in folders if folder.name not in left_out]
     if not folders:
         raise BadInput.at(results / campaign, "", found="no reduced run", expected="one folder a run")
     made = results / MADE / campaign
@@ -132,6 +146,9 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
             # The run.yaml that a made capture was made from: the workflow starts there.
             name = f"runs/{run.manifest.run_id}"
             shared.append((campaigns / campaign / name, f"campaigns/{campaign}/{name}"))
+    for run_id in left_out:
+        if (folder := campaigns / campaign / "runs" / run_id).is_dir():
+            shared.append((folder, f"campaigns/{campaign}/runs/{run_id}"))
     for parent, place in shared:
         for path in plain_files(parent):
             items.setdefault(f"{place}/{path.name}", Item(f"{place}/{path.name}", path))
@@ -151,7 +168,7 @@ def contents(results: Path, campaign: str, campaigns: Path, calibrations: Path, 
         items[f"software/{name}"] = Item(f"software/{name}", source / name)
     if faults := faults_of_names(item.source for item in items.values()):
         raise BadInput(*faults)
-    return Contents(campaign, [items[path] for path in sorted(items)], runs)
+    return Contents(campaign, [items[path] for path in sorted(items)], runs, dict(sorted(left_out.items())))
 
 
 def _run(

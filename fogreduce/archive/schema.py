@@ -23,6 +23,13 @@ class RunEntry(Model):
     results: Folder = Field(description="folder of its results")
 
 
+class LeftOut(Model):
+    """A run of the campaign whose results are not in its archive."""
+
+    run_id: Name
+    reason: str
+
+
 class ArchiveRecord(Model):
     """archive.json."""
 
@@ -31,6 +38,7 @@ class ArchiveRecord(Model):
     software: dict[str, Any] = Field(description="version of fogreduce and hash of its code")
     code_parts: list[str] = Field(min_length=1, description="sources of the package that the hash is over")
     runs: list[RunEntry] = Field(min_length=1)
+    left_out: list[LeftOut] = Field(default=[], description="runs that failed or were taken out since")
 
     @field_validator("software")
     @classmethod

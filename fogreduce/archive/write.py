@@ -65,13 +65,17 @@ def write_bag(
                 for run in contents.runs
             ],
         }
+        about = f"fogreduce archive of the campaign {contents.campaign}"
+        if contents.left_out:
+            record["left_out"] = [{"run_id": name, "reason": why} for name, why in contents.left_out.items()]
+            about += f", without results of {', '.join(contents.left_out)}"
         bag.add_text(RECORD, json.dumps(record, indent=1) + "\n")
         versions = {"fogreduce": fogreduce.__version__, "snakemake": version("snakemake")}
         bag.add_text(CRATE, crate(contents, bag.hashes, bag.sizes, versions))
         digest = bag.finish(
             {
                 "Bag-Software-Agent": f"{AGENT}{fogreduce.__version__}",
-                "External-Description": f"fogreduce archive of the campaign {contents.campaign}",
+                "External-Description": about,
                 "External-Identifier": contents.campaign,
             }
         )

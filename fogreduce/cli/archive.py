@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from fogreduce.cli.options import add_places
@@ -49,9 +50,44 @@ def run(arguments: argparse.Namespace) -> int:
         raise BadInput.at(arguments.results, "", found="no reduced run", expected="<campaign>/<run> in it")
     with sole_writer(arguments.out):
         for name in names:
-            planned = contents(arguments.results, name, arguments.campaigns, arguments.calibrations, source)
+            left_out = _left_out(arguments.results, arguments.campaigns, name)
+            for run_id, reason in left_out.items():
+                print(f"{name}: without results of {run_id}: {reason}", file=sys.stderr)
+            planned = contents(
+                arguments.results, name, arguments.campaigns, arguments.calibrations, source, left_out
+            )
             total = sum(item.source.stat().st_size for item in planned.items)
             with progress(total, "B") as told:
                 digest, bag = write_bag(planned, arguments.out / name, told, by_digest=arguments.by_digest)
             print(f"{digest}  {bag}")
     return 0
+
+
+def _left_out(results: Path, campaigns: Path, campaign: str) -> dict[str, str]:
+    """Runs of a campaign that failed, and those that were taken out of it since: run -> why.
+
+    A run with tables and no checksums has not failed: it is for the archive to refuse.
+    """
+    from fogreduce.metadata.folder import find_runs
+    from fogreduce.provenance.records import MANIFEST, OUTPUTS
+    from fogreduce.stages.summary import RunResults, why_not_reduced
+
+    if not (campaigns / campaign / "runs").is_dir():
+        return {}
+    runs = {run.name for run in find_runs(campaigns / campaign)[0]}
+    found = {}
+    for run_id in sorted(runs):
+        folder = results / campaign / run_id
+        if not (folder / OUTPUTS).is_file() and (
+            reason := why_not_reduced(RunResults(folder, campaign, run_id))
+        ):
+            # A bag has no paths of the machine that it was made on.
+            for path, name in ((campaigns, "campaigns"), (results, "results")):
+                reason = reason.replace(f"{path}/", f"{name}/")
+            found[run_id] = reason
+    for manifest in (results / campaign).glob(f"*/{MANIFEST}"):
+        if (run_id := manifest.parent.name) not in runs and not (
+            campaigns / campaign / "runs" / run_id
+        ).exists():
+            found[run_id] = "taken out of the campaign since it was reduced"
+    return found

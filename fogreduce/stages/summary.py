@@ -91,6 +91,12 @@ def write_summary(runs: Iterable[RunResults], out: Path) -> tuple[int, int]:
     return gathered, failed
 
 
+def why_not_reduced(run: RunResults) -> str:
+    """Why a run has no tables; empty where it has."""
+    problem = _tables_of(run)[1]
+    return "" if problem is None else ": ".join(filter(None, problem))
+
+
 def find_results(parent: Path) -> Iterator[RunResults]:
     """Every ``<campaign>/<run_id>`` below a results folder; names that begin with ``_`` or ``.`` are none."""
     for campaign in _folders(parent):

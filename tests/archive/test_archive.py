@@ -192,3 +192,52 @@ def edit(path, old, new):
     raw = path.read_bytes()
     assert old in raw
     path.write_bytes(raw.replace(old, new, 1))
+
+
+@pytest.fixture
+def incomplete(archived, tmp_path):
+    """Campaign and results of which a run failed and another was taken out since; where they lie."""
+    campaigns, results = tmp_path / "campaigns", tmp_path / "results"
+    shutil.copytree(archived.campaigns, campaigns)
+    shutil.copytree(archived.results, results)
+    shutil.copytree(campaigns / CAMPAIGN / "runs" / "r1", campaigns / CAMPAIGN / "runs" / "r0")
+    log = results / CAMPAIGN / "r0" / "logs" / "ingest.log"
+    log.parent.mkdir(parents=True)
+    log.write_text(f"{campaigns}/{CAMPAIGN}/runs/r0/capture.fogcap: byte 0: found b'X'; expected the magic\n")
+    (results / CAMPAIGN / "r0" / "manifest.json").write_text("{}")
+    shutil.rmtree(campaigns / CAMPAIGN / "runs" / "r2")
+    return campaigns, results
+
+
+def of_incomplete(archived, campaigns, results, out):
+    places = ["--campaigns", campaigns, "--calibrations", archived.calibrations]
+    return call("archive", results, *places, "--source", archived.source, "--out", out)
+
+
+def test_failed_and_removed_runs_are_left_out_and_named(archived, incomplete, tmp_path):
+    status, out, err = of_incomplete(archived, *incomplete, tmp_path / "bags")
+    assert status == 0, err
+    failed = f"ingest: campaigns/{CAMPAIGN}/runs/r0/capture.fogcap: byte 0: found b'X'; expected the magic"
+    removed = "taken out of the campaign since it was reduced"
+    assert err.splitlines() == [
+        f"{CAMPAIGN}: without results of r0: {failed}",
+        f"{CAMPAIGN}: without results of r2: {removed}",
+    ]
+    bag = tmp_path / "bags" / CAMPAIGN
+    succeed("verify", bag, "--expect", out.split()[0])
+    record = json.loads((bag / "data" / "archive.json").read_text())
+    assert [run["run_id"] for run in record["runs"]] == ["r1"]
+    assert record["left_out"] == [{"run_id": "r0", "reason": failed}, {"run_id": "r2", "reason": removed}]
+    assert f"campaign {CAMPAIGN}, without results of r0, r2" in (bag / "bag-info.txt").read_text()
+    # What the campaign has of the failed one is there, and no results of either.
+    assert (bag / "data" / "campaigns" / CAMPAIGN / "runs" / "r0" / "capture.fogcap").is_file()
+    assert [path.name for path in (bag / "data" / "results" / CAMPAIGN).iterdir()] == ["r1"]
+
+
+def test_results_whose_checksums_were_not_taken_have_not_failed(archived, incomplete, tmp_path):
+    campaigns, results = incomplete
+    (results / CAMPAIGN / "r1" / "outputs.json").unlink()
+    status, _, err = of_incomplete(archived, campaigns, results, tmp_path / "bags")
+    assert status == 2
+    assert "r1/outputs.json: found no such file" in err
+    assert not (tmp_path / "bags").exists()

@@ -1,6 +1,7 @@
 """What the workflow says at its end, and what it writes where something failed."""
 
 import csv
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -40,6 +41,8 @@ def end_badly():
     print(summarize_failed(), file=sys.stderr)
     pages_of_failures()
     say_result()
+    for line in missing_bags():
+        print(line, file=sys.stderr)
 
 
 def summarize(out):
@@ -82,6 +85,21 @@ def failures(summary):
     if others:
         lines += ["These jobs failed" + (" too:" if failed else ":"), *others]
     return "\n".join(["", *lines])
+
+
+def missing_bags():
+    """Of a call for archives: the campaigns without a bag of these results, why, and what archives the rest."""
+    if "archive" not in workflow.dag_settings.targets:
+        return
+    with open(f"{SUMMARY}/failed.csv", newline="") as file:
+        failed = [(row["campaign"], row["run_id"]) for row in csv.DictReader(file)]
+    for name in CAMPAIGNS:
+        if runs := [run for campaign, run in failed if campaign == name]:
+            command = ["fogreduce", "archive", RESULTS, "--only", name]
+            command += ["--campaigns", CONFIG.campaigns_dir]
+            command += ["--calibrations", CONFIG.calibrations_dir]
+            command += ["--out", f"{RESULTS}/_archive", "--by-digest"]
+            yield f"No bag of {name}, since {some_of(runs)} failed; one without: {shlex.join(command)}"
 
 
 def pages_of_failures():
