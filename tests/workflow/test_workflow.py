@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shlex
 import shutil
 import subprocess
 import sys
@@ -141,6 +142,19 @@ def test_segments_have_rows_of_their_own_and_the_whole_run_has_one(
     # 15 s at rest, then 15 s at -10 deg/s about x.
     assert float(whole["nominal_deg"]) == -150.0
     assert float(whole["duration_s"]) == 30.0
+
+
+@pytest.mark.slow
+def test_an_archive_names_what_it_lacks(place: Path, first: subprocess.CompletedProcess[str]) -> None:
+    done = snakemake(place, more=["archive"])
+    assert done.returncode == 1
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("No bag of ")]
+    told, _, command = line.partition("; one without: ")
+    assert told == "No bag of lab, since c-broken failed"
+    words = [FOGREDUCE, *shlex.split(command)[1:]]
+    subprocess.run(words, cwd=place, check=True, capture_output=True)
+    (record,) = place.glob("results/_archive/lab-*/data/archive.json")
+    assert [run["run_id"] for run in json.loads(record.read_text())["left_out"]] == ["c-broken"]
 
 
 def test_once_mended_only_what_was_missing_is_made_and_a_further_call_does_nothing(
