@@ -11,6 +11,7 @@ import io
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -80,9 +81,10 @@ class DatasetWriter:
                 self._file = h5py.File(
                     self._disk, "w", libver=("earliest", "v110"), track_order=True, **_ALIGNED
                 )
-                self._lay_out()
+                datasets = self._lay_out()
                 if not self._storage.chunk_records:
-                    self._offsets = {name: self._file[name].id.get_offset() for name in self._variables}
+                    self._offsets = {name: datasets[name].id.get_offset() for name in self._variables}
+                    datasets.clear()  # what is open would keep the file open
                     self._close_file()
             if not self._storage.chunk_records:
                 self._raw = _PlacedWriter(self._target)
@@ -94,16 +96,14 @@ class DatasetWriter:
             raise
         return self
 
-    def _lay_out(self) -> None:
+    def _lay_out(self) -> dict[str, h5py.Dataset]:
         file = self._file
-        for name, value in self._attributes.items():
-            file.attrs[name] = value
+        _describe(file, self._attributes)
         datasets = {}
         for variable in self._variables.values():
             shape = tuple(self._sizes[dim] for dim in variable.dims)
             dataset = datasets[variable.name] = self._create(variable, shape)
-            for name, value in variable.attributes.items():
-                dataset.attrs[name] = value
+            _describe(dataset, variable.attributes)
         for dim, labels in self._coordinates.items():
             datasets[dim] = file.create_dataset(dim, data=list(labels), dtype=h5py.string_dtype())
         for number, dim in enumerate(self._sizes):
@@ -112,7 +112,8 @@ class DatasetWriter:
         for variable in self._variables.values():
             for position, dim in enumerate(variable.dims):
                 if variable.name != dim:
-                    datasets[variable.name].dims[position].attach_scale(datasets[dim])
+                    h5py.h5ds.attach_scale(datasets[variable.name].id, datasets[dim].id, position)
+        return datasets
 
     def _create(self, variable: Variable, shape: tuple[int, ...]) -> h5py.Dataset:
         options: dict[str, Any] = {"shape": shape, "dtype": variable.dtype, "track_times": False}
@@ -123,14 +124,9 @@ class DatasetWriter:
                 options |= {"compression": "gzip", "compression_opts": self._storage.gzip_level}
                 options |= {"shuffle": True}
             return self._file.create_dataset(variable.name, fillvalue=fill, **options)
-        # Space allocated at once and not filled: every byte of it is written below.
-        properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-        properties.set_layout(h5py.h5d.CONTIGUOUS)
-        properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-        properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-        properties.set_obj_track_times(False)
-        properties.set_attr_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+        properties = _contiguous()
         if fill is not None:
+            properties = properties.copy()
             properties.set_fill_value(np.asarray(fill))
         kind = h5py.h5t.py_create(np.dtype(variable.dtype))
         space = h5py.h5s.create_simple(shape)
@@ -174,6 +170,37 @@ class DatasetWriter:
             self._disk.close()
         if self._disk.error is not None:
             raise self._disk.error
+
+
+@cache
+def _contiguous() -> h5py.h5p.PropDCID:
+    """Space allocated at once and not filled: every byte of it is written by `DatasetWriter.write`."""
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_layout(h5py.h5d.CONTIGUOUS)
+    properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    properties.set_obj_track_times(False)
+    properties.set_attr_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+    return properties
+
+
+@cache
+def _text_type() -> h5py.h5t.TypeID:
+    return h5py.h5t.py_create(h5py.string_dtype(), logical=True)
+
+
+def _describe(owner: h5py.HLObject, attributes: Attributes) -> None:
+    """Write attributes, none of which is there yet.
+
+    Texts, of which a dataset has some hundreds, go past `attrs`, which looks whether there is one to replace.
+    """
+    for name, value in attributes.items():
+        if not isinstance(value, str) and not (isinstance(value, list) and isinstance(value[0], str)):
+            owner.attrs[name] = value
+            continue
+        text = np.array(value, h5py.string_dtype())
+        space = h5py.h5s.create_simple(text.shape) if text.shape else h5py.h5s.create(h5py.h5s.SCALAR)
+        h5py.h5a.create(owner.id, name.encode(), _text_type(), space).write(text)
 
 
 class _NotingFile(io.FileIO):

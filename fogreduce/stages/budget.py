@@ -234,8 +234,9 @@ def _add_axes(
     facts = replace(facts, projection=np.array(segment["projection"]))
     across = segment["axes_noise_covariance"]
     weights_of = {}
+    added = {terms: stated_theta(facts, stated, number, terms) for terms in set(map(_terms, items))}
     for k, item in enumerate(items):
-        theta = stated_theta(facts, stated, number, _terms(item))[:, k]
+        theta = added[_terms(item)][:, k]
         weights_of[item["channel"]] = _axis_weights(segment, item)
         for quantity, (unit, value, weights) in weights_of[item["channel"]].items():
             noise, spread = _noise_of(segment, item, weights)

@@ -8,6 +8,7 @@ errors are correlated along segments and axes, `pdf_shape` how they are distribu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -103,15 +104,17 @@ class _Measurand:
         dims = ("segment", self._dim)
         unit = next(value.unit for value in self._flat if value is not None)
         units = _CF_UNITS.get(unit, unit)
-        parts = [part for part in PARTS if self._counts(part)]
+        groups = self._budget.groups
+        sizes = {
+            part: [math.nan if v is None else v.part(groups, part) for v in self._flat] for part in PARTS
+        }
+        parts = [part for part in PARTS if self._counts(part, sizes[part])]
         components = [f"u_{part}_{self._name}" for part in parts]
         said: dict[str, object] = {"long_name": _LONG_NAMES[self._quantity], "units": units}
         listed = {"unc_comps": components, "ancillary_variables": " ".join(components)}
         variables.append(Variable(self._name, dims, "<f8", said | listed))
         values[self._name] = self._array([np.nan if v is None else v.value for v in self._flat])
-        groups = self._budget.groups
         for part, component in zip(parts, components, strict=True):
-            sizes = [np.nan if v is None else v.part(groups, part) for v in self._flat]
             correlation = self._noise() if part == PARTS[0] else self._sources(part)
             form, matrix = _form_of(correlation), f"err_corr_{part}_{self._name}"
             alike = (name for name in values if "err_corr" in name and _same(values[name], correlation))
@@ -126,18 +129,22 @@ class _Measurand:
                 "err_corr_1_units": "",
             }
             variables.append(Variable(component, dims, "<f8", attributes))
-            values[component] = self._array(sizes)
+            values[component] = self._array(sizes[part])
             if form == "err_corr_matrix" and matrix not in values:
                 squared = f"{self._dim}_value", f"{self._dim}_value_2"
                 about = {"long_name": f"correlation of the errors of {component}", "units": "1"}
                 variables.append(Variable(matrix, squared, "<f8", about))
                 values[matrix] = correlation
 
-    def _counts(self, part: str) -> bool:
+    def _sizes(self, part: str) -> list[float]:
+        """What a part adds to each value."""
+        return [math.nan if v is None else v.part(self._budget.groups, part) for v in self._flat]
+
+    def _counts(self, part: str, sizes: Sequence[float]) -> bool:
         """Whether a part is more than rounding in any of the values."""
-        known = [value for value in self._flat if value is not None]
         return part == PARTS[0] or any(
-            value.part(self._budget.groups, part) > _NEGLIGIBLE * value.combined for value in known
+            value is not None and size > _NEGLIGIBLE * value.combined
+            for value, size in zip(self._flat, sizes, strict=True)
         )
 
     def _array(self, flat: Sequence[float]) -> Array:
