@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -107,10 +107,11 @@ def result_lines(results: Path, runs: Iterable[tuple[str, str]], *, pages: bool)
         Whether it writes pages, which know what is flagged.
     """
     from fogreduce.errors import BadInput
-    from fogreduce.pages.attention import has_red_flag
     from fogreduce.pages.overview import kept_overview
+    from fogreduce.pages.verdict import FLAGGED, verdicts
 
-    number = reduced = flagged = red = 0
+    number = reduced = 0
+    overviews = []
     for campaign, run in runs:
         number += 1
         folder = results / campaign / run
@@ -118,17 +119,15 @@ def result_lines(results: Path, runs: Iterable[tuple[str, str]], *, pages: bool)
             continue
         reduced += 1
         if pages:
-            try:
-                seen = kept_overview(folder)
-            except BadInput:
-                continue
-            flagged += bool(seen["flagged"])
-            red += has_red_flag(seen)
+            with suppress(BadInput):
+                overviews.append(kept_overview(folder))
     if not reduced:
         return
     said = f"{number} runs: {reduced} reduced"
     if pages:
-        said += f", of these {flagged} with something flagged and {red} with red flags"
+        overviews.sort(key=lambda seen: (seen["started_at"], seen["campaign"], seen["run_id"]))
+        flagged = sum(verdict.state == FLAGGED for verdict in verdicts(overviews))
+        said += f", of these {flagged} flagged"
     yield said + (f"; {number - reduced} not reduced" if number > reduced else "")
     if pages and (page := results / "index.html").is_file():
         yield f"Open {page}"

@@ -16,9 +16,10 @@ from fogreduce.characterise.allan_figure import LIMITS_LABEL, draw_limits, log_l
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.estimate.coloured import ColouredNoise
 from fogreduce.figures.residuals import residuals
-from fogreduce.figures.results import Family, Results
+from fogreduce.figures.results import Results
 from fogreduce.plotting import style
 from fogreduce.stages import angles
+from fogreduce.stages.read_bins import Family
 
 Array = NDArray[np.float64]
 

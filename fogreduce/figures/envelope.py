@@ -7,58 +7,19 @@ beyond is marked at the edge and counted.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from fogreduce.plotting import style
+from fogreduce.stages.read_bins import MOST_COLUMNS, Columns
 
 Array = NDArray[np.float64]
 
-MOST_COLUMNS = 800  # a band of so many has twice as many corners
 _BULK = 2.0  # percent of the bins that may lie outside the bulk, on either side
 BEYOND_BULK = 0.4
 _MARGIN = 0.04
-_GAP = 2.5  # a step in time of so many typical steps is a gap: the band is broken
-
-
-@dataclass(frozen=True)
-class Columns:
-    """Bins gathered into columns: middle [s], lowest, highest and mean of each; NaN breaks the band."""
-
-    time_s: Array
-    lowest: Array
-    highest: Array
-    mean: Array
-
-
-def columns_of(time_s: Array, lowest: Array, highest: Array, mean: Array, count: Array) -> Columns:
-    """Gather bins (m,) into at most `MOST_COLUMNS` columns; means are weighted by `count`."""
-    group = -(-time_s.size // MOST_COLUMNS)
-    starts = np.arange(0, time_s.size, group)
-    weight = np.where(np.isfinite(mean), count, 0.0)
-    total = np.add.reduceat(weight, starts)
-    sums = np.add.reduceat(np.where(weight > 0, mean, 0.0) * weight, starts)
-    middles = np.add.reduceat(time_s, starts) / np.diff(np.append(starts, time_s.size))
-    gathered = Columns(
-        middles,
-        np.fmin.reduceat(lowest, starts),
-        np.fmax.reduceat(highest, starts),
-        np.divide(sums, total, out=np.full(total.shape, np.nan), where=total > 0),
-    )
-    return _broken_at_gaps(gathered)
-
-
-def _broken_at_gaps(columns: Columns) -> Columns:
-    steps = np.diff(columns.time_s)
-    if steps.size == 0:
-        return columns
-    gaps = np.flatnonzero(steps > _GAP * np.median(steps)) + 1
-    middles = (columns.time_s[gaps] + columns.time_s[gaps - 1]) / 2
-    values = (np.insert(part, gaps, np.nan) for part in (columns.lowest, columns.highest, columns.mean))
-    return Columns(np.insert(columns.time_s, gaps, middles), *values)
 
 
 def thin_line(time_s: Array, values: Array) -> tuple[Array, Array]:

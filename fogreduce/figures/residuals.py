@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.figures import parts
-from fogreduce.figures.envelope import bulk_range, columns_of, draw_band, mark_beyond
-from fogreduce.figures.results import Family, Results
+from fogreduce.figures.envelope import bulk_range, draw_band, mark_beyond
+from fogreduce.figures.results import Results
 from fogreduce.plotting import style
 from fogreduce.stages.angles import channel_of, residual_bins
+from fogreduce.stages.read_bins import Family, columns_of
 
 Array = NDArray[np.float64]
 

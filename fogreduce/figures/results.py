@@ -7,37 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fogreduce.errors import BadInput
-from fogreduce.figures.envelope import Columns, columns_of
 from fogreduce.plotting.style import Identity
-from fogreduce.stages.dataset import StageDataset
 from fogreduce.stages.files import read_json
+from fogreduce.stages.read_bins import Family, read_bins
 from fogreduce.stages.read_tables import read_rows
-from fogreduce.stages.setup import Setup, seconds
-
-Array = NDArray[np.float64]
-
-_KINDS = ("mean", "lowest", "highest", "count")
-
-
-@dataclass(frozen=True)
-class Family:
-    """Bins of several channels of one kind: gyros [raw unit] or axes [deg/s]; arrays are (channels, m)."""
-
-    names: list[str]
-    time_s: Array
-    mean: Array
-    lowest: Array
-    highest: Array
-    count: Array
-
-    def columns(self, channel: int) -> Columns:
-        """One channel as a band."""
-        parts = (self.lowest, self.highest, self.mean, self.count)
-        return columns_of(self.time_s, *(part[channel] for part in parts))
+from fogreduce.stages.setup import Setup
 
 
 @dataclass(frozen=True)
@@ -70,21 +45,11 @@ class Results:
     def read(cls, out: Path) -> Results:
         """From a results folder; BadInput where a part is missing or belongs to another version."""
         setup = Setup.read(out)
-        with StageDataset(setup, "bins") as source:
-            families = [(setup.facts.raw_unit.variable, setup.gyros)]
-            families += [("axis_rate", setup.axes)] if setup.axes else []
-            names = [f"{family}_{kind}" for family, _ in families for kind in _KINDS]
-            parts = [part for _, part in source.blocks(["time", *names])]
-        data = {name: np.concatenate([part[name] for part in parts], axis=-1) for name in parts[0]}
-        time_s = _steady(seconds(data["time"]))
-        made = [
-            Family(channels, time_s, *(data[f"{family}_{kind}"] for kind in _KINDS))
-            for family, channels in families
-        ]
+        gyros, axes = read_bins(setup)
         return cls(
             setup,
-            made[0],
-            made[1] if setup.axes else None,
+            gyros,
+            axes,
             _report(setup, "fit"),
             _report(setup, "ingest"),
             read_rows(setup.out, "drift", setup.version_id, setup.facts.raw_unit),
@@ -119,17 +84,6 @@ class Results:
     def span_s(self) -> tuple[float, float]:
         """Times that a figure shows [s]: the commanded profile, and records after it."""
         return 0.0, max(float(self.segments[-1]["stop_s"]), float(self.gyros.time_s[-1]))
-
-
-def _steady(time_s: Array) -> Array:
-    """Times of bins with one wrong among right ones replaced: a stamp that is wrong moves its bin's mean."""
-    if time_s.size < 3:
-        return time_s
-    inner = np.median([time_s[:-2], time_s[1:-1], time_s[2:]], axis=0)
-    step = 3 * float(np.median(np.diff(inner))) if inner.size > 1 else np.inf
-    first = np.clip(time_s[0], inner[0] - step, inner[0])
-    last = np.clip(time_s[-1], inner[-1], inner[-1] + step)
-    return np.concatenate(([first], inner, [last]))
 
 
 def _report(setup: Setup, name: str) -> dict[str, Any]:

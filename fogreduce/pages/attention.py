@@ -71,26 +71,24 @@ def first_of_each(said: Sequence[Mapping[str, str]]) -> tuple[list[Mapping[str, 
     return shown, len(said) - len(shown)
 
 
-def runs_to_see(runs: Sequence[tuple[str, str | None, Mapping[str, Any]]], most: int = 10) -> RunsToSee:
-    """Of runs as (name, page, overview) those with something to be seen, red flags before warnings."""
+def runs_to_see(
+    runs: Sequence[tuple[str, str | None, Sequence[Mapping[str, str]]]], most: int = 10
+) -> RunsToSee:
+    """Of runs as (name, page, why they are flagged) those with a reason, red flags first, then warnings."""
     found = [
         {
             "run": name,
             "href": href,
-            "kind": overview["attention"][0]["kind"],
-            "text": overview["attention"][0]["text"],
-            "more": len(overview["attention"]) - 1,
+            "kind": reasons[0]["kind"],
+            "text": reasons[0]["text"],
+            "more": len(reasons) - 1,
         }
-        for name, href, overview in runs
-        if overview.get("attention")
+        for name, href, reasons in runs
+        if reasons
     ]
-    found.sort(key=lambda entry: entry["kind"] != RED_FLAG)
+    order = (RED_FLAG, WARNING)
+    found.sort(key=lambda entry: order.index(entry["kind"]) if entry["kind"] in order else len(order))
     return RunsToSee(found[:most], max(0, len(found) - most))
-
-
-def has_red_flag(overview: Mapping[str, Any]) -> bool:
-    """Whether a run's overview has a red flag."""
-    return any(entry["kind"] == RED_FLAG for entry in overview.get("attention", ()))
 
 
 def names_of(kind: str, overviews: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -4,20 +4,29 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from fogreduce.pages import svg
-from fogreduce.pages.attention import RED_FLAG, has_red_flag, names_of, runs_to_see
+from fogreduce.pages import svg, zoom
+from fogreduce.pages.attention import names_of, runs_to_see
+from fogreduce.pages.control import FEWEST_RUNS
+from fogreduce.pages.flags import flags_text
 from fogreduce.pages.gather import Entry, Gathered
 from fogreduce.pages.numbers import count, duration, number, plus_minus
 from fogreduce.pages.render import Crumb, page
-from fogreduce.pages.run_page import FLAGS, started
+from fogreduce.pages.run_page import started, table_text
+from fogreduce.pages.verdict import FAILED, FLAGGED, GOOD, Verdict, verdicts
 
-#: Page of a campaign's diagnosis, beside its runs.
-_DIAGNOSIS = "_diagnosis/index.html"
-#: Page of the calibration derived from it.
-_DERIVATION = "_calibration/index.html"
+#: Pages of a campaign beside its runs', where they were made, and what they are.
+_MORE_PAGES = (
+    ("_report/index.html", "the unit's test report"),
+    ("_diagnosis/index.html", "the diagnosis: where its runs and the simulator disagree, and why"),
+    (
+        "_calibration/index.html",
+        "the calibration derived from it: a candidate record, which no result uses until a person names it",
+    ),
+)
 #: So many failed runs stand at the top; all stand in the table of runs.
 _MOST_FAILED = 10
 #: A choice among more ways of turning the table than these is no help.
@@ -37,35 +46,56 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
         Its results: whether there is a diagnosis or a derived calibration to be linked.
     """
     runs = gathered.runs
+    found = _verdicts(runs)
     columns = _columns(runs)
-    rows = [_row(place, entry, columns) for place, entry in enumerate(runs)]
+    rows = [
+        _row(place, entry, said, columns) for place, (entry, said) in enumerate(zip(runs, found, strict=True))
+    ]
     tables = sorted({row["table"] for row in rows if row["table"]})
     context = {
         "about": gathered.about,
         "name": gathered.name,
+        "verdict": _whole(gathered, found),
         "facts": _facts(gathered),
         "attention": runs_to_see(
             [
-                (entry.run_id, f"{entry.run_id}/index.html" if entry.page else None, entry.overview)
-                for entry in runs
-                if entry.overview is not None
+                (entry.run_id, f"{entry.run_id}/index.html" if entry.page else None, said.reasons)
+                for entry, said in zip(runs, found, strict=True)
+                if said is not None
             ]
         ),
         "failed": gathered.failed,
         "most_failed": _MOST_FAILED,
         "left_out": gathered.left_out,
-        "diagnosis": _DIAGNOSIS if (folder / _DIAGNOSIS).is_file() else None,
-        "derivation": _DERIVATION if (folder / _DERIVATION).is_file() else None,
-        "charts": _charts(runs),
+        "more_pages": [(href, words) for href, words in _MORE_PAGES if (folder / href).is_file()],
+        "charts": _charts(runs, found),
         "columns": columns,
         "rows": rows,
         "tables": tables if 1 < len(tables) <= _MOST_CHOICES else [],
+        "fewest": FEWEST_RUNS,
         "versions": _versions(gathered.reduced),
         "assumed": _assumed(gathered.reduced),
     }
     label = gathered.about.label or _one_label(gathered.reduced)
     crumbs = [Crumb("All campaigns", "../index.html")]
-    return page("campaign.html", gathered.name, context, crumbs, label, "table.js")
+    scripts = ["table.js", *(["zoom.js"] if context["charts"] else [])]
+    return page("campaign.html", gathered.name, context, crumbs, label, scripts)
+
+
+def _verdicts(runs: Sequence[Entry]) -> list[Verdict | None]:
+    """On each run, control limits among the campaign's runs in it; None where it is not reduced."""
+    found = iter(verdicts([entry.overview for entry in runs if entry.overview is not None]))
+    return [None if entry.overview is None else next(found) for entry in runs]
+
+
+def _whole(gathered: Gathered, verdicts: Sequence[Verdict | None]) -> Verdict:
+    """On the campaign: how many runs are flagged, how many failed."""
+    flagged = sum(said is not None and said.state == FLAGGED for said in verdicts)
+    text = f"of {count(len(verdicts))} runs {count(flagged)} flagged, {count(len(gathered.failed))} failed"
+    if gathered.left_out:
+        text += f", {count(len(gathered.left_out))} left out"
+    good = not (flagged or gathered.failed or gathered.left_out)
+    return Verdict(GOOD if good else FLAGGED, text, [])
 
 
 def _one_label(reduced: Sequence[Entry]) -> str:
@@ -76,13 +106,10 @@ def _one_label(reduced: Sequence[Entry]) -> str:
 def _facts(gathered: Gathered) -> list[tuple[str, str]]:
     seen = [entry.overview for entry in gathered.reduced if entry.overview]
     dates = sorted(overview["started_at"] for overview in seen)
-    flagged = sum(bool(overview["flagged"]) for overview in seen)
-    red = sum(has_red_flag(overview) for overview in seen)
     pairs = [
         (
             "Runs",
-            f"{count(len(gathered.runs))}: {count(len(seen))} reduced, of these {count(flagged)} with "
-            f"something flagged and {count(red)} with red flags; {count(len(gathered.failed))} failed",
+            f"{count(len(gathered.runs))}: {count(len(seen))} reduced, {count(len(gathered.failed))} failed",
         ),
         ("Unit", _several(overview["unit"] for overview in seen)),
         ("From, to", " to ".join(dict.fromkeys(date[:10] for date in (dates[:1] + dates[-1:])))),
@@ -121,67 +148,42 @@ def _columns(runs: Sequence[Entry]) -> list[dict[str, str]]:
     """Columns of numbers: those that some run has."""
     seen = [entry.overview for entry in runs if entry.overview]
     columns = []
-    for kind, title in (("drift", "drift {} [deg/h]"), ("offset", "offset {} [deg/h]")):
+    for kind, title in (("offset", "offset {} [deg/h]"), ("drift", "drift {} [deg/h]")):
         names = names_of(kind, seen)
         columns += [{"kind": kind, "of": name, "title": title.format(name)} for name in names]
     if any(overview["noise"] for overview in seen):
         columns.append({"kind": "noise", "of": "", "title": "noise [deg/√h]"})
     if any(overview["temperature"] for overview in seen):
         columns.append({"kind": "temperature", "of": "", "title": "sensors [°C]"})
-    return columns
+    return [{**column, "label": _css_text(column["title"])} for column in columns]
 
 
-def _row(place: int, entry: Entry, columns: Sequence[dict[str, str]]) -> dict[str, Any]:
+def _css_text(text: str) -> str:
+    """A column's title for a string of a style sheet: only what can end neither the string nor the sheet."""
+    return "".join(c for c in text if c.isalnum() or c in " []/°√.,")
+
+
+def _row(place: int, entry: Entry, said: Verdict | None, columns: Sequence[dict[str, str]]) -> dict[str, Any]:
     overview = entry.overview
-    if overview is None:
-        said = f"{entry.stage}: {entry.reason}" if entry.stage else entry.reason
-        state, table, length = "failed", "", None
+    if overview is None or said is None:
+        state, table = FAILED, ""
+        why = f"{entry.stage}: {entry.reason}" if entry.stage else entry.reason
         cells: list[Cell] = [{"value": "", "text": ""} for _ in columns]
-        version = ""
     else:
-        state = "flagged" if overview["flagged"] else "reduced"
-        if has_red_flag(overview):
-            state = RED_FLAG
-        table = table_text(overview)
-        length, version = overview["duration_s"], overview["version_id"]
+        state, table = said.state, f"{table_text(overview)}, {duration(overview['duration_s'])}"
+        noted = flags_text(overview["flagged"])
+        why = said.text if said.state == FLAGGED else noted
         cells = [_cell(overview, column) for column in columns]
-        said = "; ".join(filter(None, (_attention_text(overview), flags_text(overview["flagged"]))))
     return {
         "place": place,
         "run_id": entry.run_id,
         "href": f"{entry.run_id}/index.html" if entry.page else None,
         "started": started(entry.started_at)[:16],
         "table": table,
-        "length": "" if length is None else duration(length),
-        "length_s": "" if length is None else f"{length:g}",
         "state": state,
         "cells": cells,
-        "said": said,
-        "version": version,
+        "why": why,
     }
-
-
-def _attention_text(overview: dict[str, Any]) -> str:
-    """The first of what stands at the top of a run's page."""
-    said = overview.get("attention", ())
-    more = f" and {len(said) - 1} more" if len(said) > 1 else ""
-    return f"{said[0]['kind']}: {said[0]['text']}{more}" if said else ""
-
-
-def table_text(overview: dict[str, Any]) -> str:
-    """What the table did: ``x: 10, 0 deg/s``."""
-    rates = overview["rates_deg_s"]
-    shown = [f"{rate:g}" for rate in rates[:6]] + (["..."] if len(rates) > 6 else [])
-    return f"{overview['axis']}: {', '.join(shown)} deg/s".replace("-", "−")
-
-
-def flags_text(flagged: dict[str, int]) -> str:
-    """What was flagged, the gyros taken together."""
-    sums: Counter[str] = Counter()
-    for kind, value in flagged.items():
-        what, _, _ = kind.rpartition("_gyro")
-        sums[what if what in FLAGS else kind] += value
-    return ", ".join(f"{count(value)} {kind.replace('_', ' ')}" for kind, value in sums.items())
 
 
 def _cell(overview: dict[str, Any], column: dict[str, str]) -> Cell:
@@ -201,7 +203,7 @@ def _plain(value: float | None) -> str:
     return "" if value is None else f"{value:.6g}"
 
 
-def _charts(runs: Sequence[Entry]) -> list[dict[str, Any]]:
+def _charts(runs: Sequence[Entry], verdicts: Sequence[Verdict | None]) -> list[dict[str, Any]]:
     """Figures over all runs in order of date; runs that failed are crosses at the bottom."""
     seen = [entry.overview for entry in runs]
     some = [overview for overview in seen if overview]
@@ -212,15 +214,16 @@ def _charts(runs: Sequence[Entry]) -> list[dict[str, Any]]:
     charts = []
     for kind, title, text in (
         (
+            "offset",
+            "Mean rates less commanded",
+            "Mean of the fitted curve over the run, Earth's rate taken away, less the commanded rate. "
+            "Bars: one standard error by the noise that the residuals show.",
+        ),
+        (
             "drift",
             "Drift",
             "Bars: one standard error by the noise that the residuals show. Drift leaves out how far the "
-            "mean rate is off: that is the next figure.",
-        ),
-        (
-            "offset",
-            "Mean rates less commanded",
-            "Mean of the fitted curve over the run, Earth's rate taken away, less the commanded rate.",
+            "mean rate is off: that is the figure before.",
         ),
     ):
         panels = []
@@ -247,14 +250,18 @@ def _charts(runs: Sequence[Entry]) -> list[dict[str, Any]]:
             highs=[log["high"] if log else None for log in logs],
         )
         charts.append(("Temperature", "Mean of the sensors' log; bars: its lowest and highest.", [panel]))
+    names = [entry.run_id for entry in runs]
+    out = frozenset(place for place, said in enumerate(verdicts) if said and said.state == FLAGGED)
+    dates = [entry.started_at[:10] for entry in runs]
     return [
         {
             "title": title,
             "text": text,
             "svg": svg.points(panels, ticks, _said(title, panels), absent, linked=True),
+            "zoom": zoom.runs(names, dates, panels),
         }
-        for title, text, panels in charts
-        if panels
+        for title, text, drawn in charts
+        if (panels := [replace(panel, out=out) for panel in drawn if any(panel.values)])
     ]
 
 

@@ -41,12 +41,26 @@ class Entry:
 
 @dataclass(frozen=True)
 class Gathered:
-    """A campaign: what campaign.yaml says, its runs by date, and run folders that could not be used."""
+    """A campaign.
+
+    Attributes
+    ----------
+    name : str
+    about : Campaign
+        What campaign.yaml says.
+    runs : list of Entry
+        By date.
+    left_out : list of str
+        Run folders that could not be used, with the reason.
+    page : bool
+        Whether it has a page.
+    """
 
     name: str
     about: Campaign
     runs: list[Entry]
     left_out: list[str]
+    page: bool = False
 
     @property
     def reduced(self) -> list[Entry]:
@@ -81,7 +95,7 @@ def gather(folder: Path, campaign: Path | None) -> Gathered:
     entries = [_entry(folder / name, campaign and campaign / name) for name in names]
     # By date; those without one come last.
     entries.sort(key=lambda entry: (entry.started_at or "~", entry.run_id))
-    return Gathered(folder.name, about, entries, left_out)
+    return Gathered(folder.name, about, entries, left_out, (folder / "index.html").is_file())
 
 
 def _folders(folder: Path) -> Iterator[str]:

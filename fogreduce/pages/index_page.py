@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fogreduce.pages import svg
-from fogreduce.pages.attention import has_red_flag, names_of, runs_to_see
-from fogreduce.pages.control import FEWEST_RUNS, Control, control
+from fogreduce.pages import svg, zoom
+from fogreduce.pages.attention import runs_to_see
+from fogreduce.pages.control import FEWEST_RUNS
 from fogreduce.pages.gather import Entry, Gathered
+from fogreduce.pages.history import QUANTITIES, History, histories
 from fogreduce.pages.numbers import count, number, plus_minus
 from fogreduce.pages.render import page
 from fogreduce.pages.run_page import started
+from fogreduce.pages.verdict import FLAGGED, Verdict, verdicts
 
-_QUANTITIES = (("offset", "Mean rate less commanded"), ("drift", "Drift"))
 #: So many runs outside the limits are listed of each chart.
 _MOST_LISTED = 50
 
@@ -55,116 +57,111 @@ def index_page(campaigns: Sequence[Gathered], unit_pages: Collection[str] = ()) 
     ]
     runs.sort(key=lambda run: run.key)
     units = sorted({str(run.overview["unit"]) for run in runs})
+    found = verdicts([run.overview for run in runs])
+    flagged = [
+        (f"{run.campaign} / {run.entry.run_id}", run.href, said.reasons)
+        for run, said in zip(runs, found, strict=True)
+    ]
+    of_campaign = {
+        gathered.name: [said for run, said in zip(runs, found, strict=True) if run.campaign == gathered.name]
+        for gathered in campaigns
+    }
     context = {
-        "attention": runs_to_see(
-            [(f"{run.campaign} / {run.entry.run_id}", run.href, run.overview) for run in runs]
-        ),
-        "campaigns": [_campaign(gathered) for gathered in campaigns],
+        "attention": runs_to_see(flagged),
+        "campaigns": [_campaign(gathered, of_campaign[gathered.name]) for gathered in campaigns],
         "units": [_unit(unit, [run for run in runs if run.overview["unit"] == unit]) for unit in units],
         "unit_pages": unit_pages,
         "fewest": FEWEST_RUNS,
     }
-    return page("index.html", "All campaigns", context)
+    scripts = ["zoom.js"] if units else []
+    return page("index.html", "All campaigns", context, scripts=scripts)
 
 
-def _campaign(gathered: Gathered) -> dict[str, Any]:
+def _campaign(gathered: Gathered, verdicts: Sequence[Verdict]) -> dict[str, Any]:
     seen = [entry.overview for entry in gathered.reduced if entry.overview]
     dates = sorted(str(overview["started_at"])[:10] for overview in seen)
+    kinds = Counter(kind for said in verdicts for kind in {reason["kind"] for reason in said.reasons})
+    flagged = sum(said.state == FLAGGED for said in verdicts)
     labels = {str(overview["label"]) for overview in seen}
     return {
         "name": gathered.name,
+        "href": f"{gathered.name}/index.html" if gathered.page else None,
         "title": gathered.about.title or "",
         "label": gathered.about.label or (labels.pop() if len(labels) == 1 else ""),
         "units": ", ".join(sorted({str(overview["unit"]) for overview in seen})),
         "dates": " to ".join(dict.fromkeys(dates[:1] + dates[-1:])),
         "runs": len(gathered.runs),
         "failed": len(gathered.failed),
-        "flagged": sum(bool(overview["flagged"]) for overview in seen),
-        "red_flags": sum(has_red_flag(overview) for overview in seen),
+        "good": len(verdicts) - flagged,
+        "flagged": flagged,
+        "because": ", ".join(f"{count(kinds[kind])} {kind}" for kind in sorted(kinds)),
     }
 
 
 def _unit(unit: str, runs: Sequence[Dated]) -> dict[str, Any]:
     """A unit's charts: for each quantity a panel an axis."""
     charts = []
-    for kind, title in _QUANTITIES:
-        panels, rows, out = [], [], []
-        for axis in names_of(kind, [run.overview for run in runs]):
-            there = [
-                k for k, run in enumerate(runs) if run.overview[kind].get(axis, {}).get("value") is not None
-            ]
-            if not there:
-                continue
-            entries = [runs[k].overview[kind][axis] for k in there]
-            values = [float(entry["value"]) for entry in entries]
-            errors = [float(entry["error"] or 0.0) for entry in entries]
-            found = control(values, errors)
-            panels.append(_panel(axis, len(runs), there, values, errors, found))
-            rows.append(_numbers(axis, values, found))
-            out += [
-                {
-                    "axis": axis,
-                    "run": f"{runs[there[k]].campaign} / {runs[there[k]].entry.run_id}",
-                    "href": runs[there[k]].href,
-                    "started": started(runs[there[k]].entry.started_at)[:16],
-                    "value": plus_minus(values[k], errors[k]),
-                    "limits": _limits(found, k),
-                }
-                for k in found.out
-            ]
-        if panels:
-            ticks = svg.some_ticks([run.entry.started_at[:10] for run in runs])
-            charts.append(
-                {
-                    "title": title,
-                    "svg": svg.points(panels, ticks, _said(title, unit, rows)),
-                    "rows": rows,
-                    "out": out[:_MOST_LISTED],
-                    "more": max(0, len(out) - _MOST_LISTED),
-                }
-            )
+    found = histories([run.overview for run in runs])
+    dates = [run.entry.started_at[:10] for run in runs]
+    names = [f"{run.campaign} / {run.entry.run_id}" for run in runs]
+    for kind, title in QUANTITIES.items():
+        of_kind = [history for history in found if history.kind == kind]
+        if not of_kind:
+            continue
+        panels = [_panel(history, len(runs)) for history in of_kind]
+        rows = [_numbers(history) for history in of_kind]
+        out = [_outside(history, k, runs[history.there[k]]) for history in of_kind for k in history.found.out]
+        charts.append(
+            {
+                "title": title,
+                "svg": svg.points(panels, svg.some_ticks(dates), _said(title, unit, rows)),
+                "zoom": zoom.runs(names, dates, panels),
+                "rows": rows,
+                "out": out[:_MOST_LISTED],
+                "more": max(0, len(out) - _MOST_LISTED),
+            }
+        )
     return {"name": unit, "runs": len(runs), "charts": charts}
 
 
-def _panel(
-    axis: str,
-    size: int,
-    there: Sequence[int],
-    values: Sequence[float],
-    errors: Sequence[float],
-    found: Control,
-) -> svg.Panel:
+def _outside(history: History, k: int, run: Dated) -> dict[str, Any]:
+    return {
+        "axis": history.axis,
+        "run": f"{run.campaign} / {run.entry.run_id}",
+        "href": run.href,
+        "started": started(run.entry.started_at)[:16],
+        "value": plus_minus(history.values[k], history.errors[k]),
+        "limits": history.limits(k),
+    }
+
+
+def _panel(history: History, size: int) -> svg.Panel:
     """Runs without this quantity leave a gap; the limits go on over it as they were."""
     spread: list[float | None] = [None] * size
     bars: list[float | None] = [None] * size
-    for place, value, error in zip(there, values, errors, strict=True):
+    for place, value, error in zip(history.there, history.values, history.errors, strict=True):
         spread[place], bars[place] = value, error
-    limits = None
+    found, limits = history.found, None
     if found.limits is not None:
-        known = dict(zip(there, found.limits, strict=True))
+        known = dict(zip(history.there, found.limits, strict=True))
         last, limits = found.limits[0], []
         for place in range(size):
             last = known.get(place, last)
             limits.append(last)
-    out = frozenset(there[k] for k in found.out)
-    return svg.Panel(axis, "deg/h", spread, bars, centre=found.centre, limits=limits, out=out)
+    out = frozenset(history.there[k] for k in found.out)
+    return svg.Panel(history.axis, "deg/h", spread, bars, centre=found.centre, limits=limits, out=out)
 
 
-def _numbers(axis: str, values: Sequence[float], found: Control) -> dict[str, str]:
+def _numbers(history: History) -> dict[str, str]:
+    found = history.found
     return {
-        "axis": axis,
-        "runs": count(len(values)),
+        "axis": history.axis,
+        "runs": count(len(history.values)),
         "centre": number(found.centre, 4),
         "extra": "too few runs" if found.extra is None else number(found.extra, 3),
         "out": "" if found.limits is None else count(len(found.out)),
         "longest": count(found.longest) + (", level moved" if found.moved else ""),
     }
-
-
-def _limits(found: Control, k: int) -> str:
-    assert found.limits is not None
-    low, high = found.limits[k]
-    return f"{number(low, 3)} to {number(high, 3)}"
 
 
 def _said(title: str, unit: str, rows: Sequence[dict[str, str]]) -> str:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 
 #: Beyond these a value is written with a power of ten.
 _SMALLEST, _LARGEST = 1e-4, 1e7
+#: So many roundings of doubles, one upon the other, are no value: the sums of a mean over blocks.
+_ROUNDINGS = 64
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -26,19 +29,9 @@ def plus_minus(value: float | None, error: float | None) -> str:
     return f"({text}) · 10{str(power).translate(_SUPERSCRIPTS)}" if power else text
 
 
-def concise(value: float | None, error: float | None) -> str:
-    """A value, its standard error in parentheses in units of the last digits: ``0.0621052(21)``."""
-    if value is None or not math.isfinite(value):
-        return ""
-    if error is None or not math.isfinite(error) or error <= 0:
-        return number(value)
-    power = math.floor(math.log10(max(abs(value), error)))
-    power = power if not -4 <= power < 7 else 0
-    scale = 10.0**power
-    digits = max(0, 1 - math.floor(math.log10(error / scale)))
-    last = round(error / scale * 10.0**digits)
-    text = f"{_minus(f'{value / scale:.{digits}f}')}({last})"
-    return f"{text} · 10{str(power).translate(_SUPERSCRIPTS)}" if power else text
+def rounding(value: float | None, of: float) -> float | None:
+    """A value; 0 where it is no more than what numbers of the size `of` leave when doubles are subtracted."""
+    return 0.0 if value is not None and abs(value) < _ROUNDINGS * sys.float_info.epsilon * of else value
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from fogreduce.pages import numbers
-from fogreduce.pages.style import TEMPLATES, policy, style
+from fogreduce.pages.style import TEMPLATES, UPLOT, policy, style
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def page(
     context: Mapping[str, Any],
     crumbs: Sequence[Crumb] = (),
     label: str = "",
-    script: str | None = None,
+    scripts: Sequence[str] = (),
 ) -> str:
     """A whole page.
 
@@ -68,17 +68,19 @@ def page(
         The pages above this one, the outermost first.
     label : str
         What the data are, where they are not measured data.
-    script : str or None
-        File of the script in the folder ``templates``.
+    scripts : sequence of str
+        Files of scripts in the folder ``templates``. ``zoom.js`` brings uPlot and its style with it.
     """
-    code = (TEMPLATES / script).read_text(encoding="utf-8") if script else ""
+    zooms = "zoom.js" in scripts
+    files = [*([UPLOT / "uPlot.iife.min.js"] if zooms else []), *(TEMPLATES / name for name in scripts)]
+    code = "\n".join(file.read_text(encoding="utf-8") for file in files)
     allowed = f"'sha256-{b64encode(sha256(code.encode()).digest()).decode()}'" if code else "'none'"
     shared = {
         "title": title,
         "crumbs": crumbs,
         "label": label,
         "policy": policy(allowed),
-        "style": Markup(style()),
+        "style": Markup(style(zooms=zooms)),
         "script": Markup(code),
     }
     return _environment().get_template(template).render({**shared, **context})

@@ -3,53 +3,43 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.constants import EARTH_RATE_DEG_S, SECONDS_PER_HOUR
 from fogreduce.pages import svg
 from fogreduce.pages.attention import first_of_each, names_of
 from fogreduce.pages.budget_bars import budget_bars
-from fogreduce.pages.numbers import concise, duration, number, plus_minus, size
+from fogreduce.pages.flags import FLAGS, flag
+from fogreduce.pages.numbers import duration, number, plus_minus, rounding, size
 from fogreduce.pages.overview import overview, real, report
+from fogreduce.pages.rate_difference import rate_difference
 from fogreduce.pages.render import Crumb, page
+from fogreduce.pages.verdict import combined, verdict
 from fogreduce.physics.raw_quantity import unit_of_capture
 from fogreduce.provenance.records import Manifest, read_manifest, read_record
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.
-_MOST_PICTURES = 2_400_000
+_MOST_PICTURES = 750_000
 _TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 
-#: Figure -> what it shows, for who cannot see it too.
+#: Figure -> what it shows, for who cannot see it too; in the order in which a page has them.
 FIGURES = {
+    "residuals_axes": "What the mean curve leaves of x, y and z, over the run",
+    "allan": "Allan deviation of what the mean curves leave",
+    "temperature": "Temperatures of sensors and electronics over the run",
+    "flags": "Numbers of records out of the ordinary, by kind",
+    "encoder": "The table's encoder beside the commanded angle",
+    "residuals_gyros": "What the mean curve leaves of each gyro, over the run",
     "gyro_volts": "Output of each gyro in volts over the run, with the fitted mean curve",
     "gyro_raw": "Output of each gyro over the run, with the fitted mean curve",
     "rates": "Rates about x, y and z over the run, with the fitted mean curve",
     "angles": "Angles about x, y and z, integrated, beside the commanded ones",
-    "residuals_gyros": "What the mean curve leaves of each gyro, over the run",
-    "residuals_axes": "What the mean curve leaves of x, y and z, over the run",
-    "allan": "Allan deviation of what the mean curves leave",
-    "temperature": "Temperatures of sensors and electronics over the run",
-    "encoder": "The table's encoder beside the commanded angle",
-    "flags": "Numbers of records out of the ordinary, by kind",
 }
-
-#: Kind of what is flagged -> in words. Kinds of one gyro end in ``_gyro<k>``.
-FLAGS = {
-    "lost": "records lost (holes in the pulse numbers)",
-    "torn_bytes": "octets of a torn last record",
-    "repeated": "records whose pulse number occurred before",
-    "out_of_order": "records that came after a later pulse",
-    "bad_stamp": "records whose stamp and pulse number disagree",
-    "beyond_profile": "records before the commanded profile's start or after its end",
-    "accelerating": "records in which the table had not yet reached the commanded rate",
-    "constant": "readings that stay the same for longer than chance",
-    "missing": "answers missing",
-    "spurious": "spurious counts",
-    "unstable_intervals": "unstable intervals",
-}
+#: Figures on the scale of what the table did: they show less than the rate less the commanded one.
+_LINKED = ("rates", "angles")
 
 
 def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
@@ -71,16 +61,23 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
     version, raw_unit = manifest.version_id, unit_of_capture(manifest.run["capture"])
     seen = overview(folder) if seen is None else seen
     tables = {name: read_rows(folder, name, version, raw_unit) for name in COLUMNS}
-    figures, linked, left_out = _figures(folder, version)
+    figures, linked, left_out = _figures(folder, version, seen)
+    rate_figure = rate_difference(folder, report(folder, "fit", version), seen)
+    rates = whole_first(tables["rates"])
     context = {
         "run": seen,
+        "verdict": verdict(seen),
+        "brief": _brief(seen),
+        "whole": _whole_run(seen),
+        "rate_figure": rate_figure,
+        "chart": None if rate_figure else _chart(seen),
         "facts": _facts(manifest, seen),
         "notes": manifest.run.get("notes"),
         "attention": first_of_each(seen["attention"]),
-        "drift": _drift_rows(tables["drift"], tables["rates"]),
-        "rates": _rate_rows(tables["rates"]),
+        "drift": _drift_rows(whole_first(tables["drift"]), tables["rates"]),
+        "rates": _rate_rows(rates),
+        "whole_rates": sum(is_whole(row, rates) for row in rates),
         "budget": budget_bars(tables["budget"]),
-        "chart": None if figures else _chart(seen),
         "flags": [flag(kind, value) for kind, value in seen["flagged"].items()],
         "places": _places(folder, version),
         "unstable": tables["unstable"],
@@ -101,15 +98,37 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "files": _files(folder),
     }
     crumbs = [Crumb("All campaigns", "../../index.html"), Crumb(seen["campaign"], "../index.html")]
-    return page("run.html", seen["run_id"], context, crumbs, seen["label"])
+    scripts = ["zoom.js"] if rate_figure else []
+    return page("run.html", seen["run_id"], context, crumbs, seen["label"], scripts)
 
 
-def flag(kind: str, value: int) -> tuple[str, int]:
-    """What was flagged in words, and how often."""
-    what, _, gyro = kind.rpartition("_gyro")
-    if what in FLAGS:
-        return f"gyro {gyro}: {FLAGS[what]}", value
-    return FLAGS.get(kind, kind.replace("_", " ")), value
+def _brief(seen: dict[str, Any]) -> str:
+    """What was run, in a line."""
+    did = f"table about {table_text(seen)} for {duration(seen['duration_s'])}"
+    return f"Unit {seen['unit']}, {started(seen['started_at'])}; {did}; calibration {seen['calibration']}"
+
+
+def _whole_run(seen: dict[str, Any]) -> list[dict[str, str]]:
+    """Of each axis difference and drift of the whole run, with combined errors and with those by noise."""
+    rows = []
+    for axis in names_of("offset", [seen]) or names_of("drift", [seen]):
+        row = {"axis": axis}
+        for kind in ("offset", "drift"):
+            entry = seen[kind].get(axis, {})
+            row[kind] = plus_minus(entry.get("value"), combined(entry))
+            row[f"{kind}_noise"] = "" if entry.get("error") is None else f"± {number(entry['error'], 2)}"
+        rows.append(row)
+    return rows
+
+
+def is_whole(row: Row, rows: Sequence[Row]) -> bool:
+    """Whether a row of drift.csv or rates.csv is of the whole run: of all segments, or of the only one."""
+    return row["segment"] == "all" or {other["segment"] for other in rows} == {"1"}
+
+
+def whole_first(rows: list[Row]) -> list[Row]:
+    """Rows of the whole run before those of segments."""
+    return sorted(rows, key=lambda row: not is_whole(row, rows))
 
 
 def _facts(manifest: Manifest, seen: dict[str, Any]) -> list[tuple[str, str]]:
@@ -148,9 +167,17 @@ def started(text: str) -> str:
     return text.replace("T", " ").replace("Z", " UTC")
 
 
-def _drift_rows(rows: list[Row], rates: list[Row]) -> list[dict[str, str]]:
-    """Drift with the difference of the mean rate beside it, which drift leaves out."""
+def table_text(overview: Mapping[str, Any]) -> str:
+    """What the table did: ``x: 10, 0 deg/s``."""
+    rates = overview["rates_deg_s"]
+    shown = [f"{rate:g}" for rate in rates[:6]] + (["..."] if len(rates) > 6 else [])
+    return f"{overview['axis']}: {', '.join(shown)} deg/s".replace("-", "−")
+
+
+def _drift_rows(rows: list[Row], rates: list[Row]) -> list[dict[str, Any]]:
+    """Drift with the difference of the mean rate, which drift leaves out."""
     offsets = {(row["axis"], row["segment"]): _difference(row) for row in rates}
+    size_deg_h = _largest_rate(rates) * SECONDS_PER_HOUR
     out = []
     for row in rows:
         values = {name: real(text) for name, text in row.items()}
@@ -159,12 +186,13 @@ def _drift_rows(rows: list[Row], rates: list[Row]) -> list[dict[str, str]]:
         out.append(
             {
                 "axis": row["axis"],
-                "segment": "whole run" if row["segment"] == "all" else row["segment"],
+                "whole": is_whole(row, rows),
+                "segment": "whole run" if is_whole(row, rows) else row["segment"],
                 "duration": duration(float(row["duration_s"])),
                 "nominal": number(values["nominal_deg"], 9),
                 "error": plus_minus(values["accumulated_error_deg"], angle_error),
                 "drift": plus_minus(values["drift_deg_h"], drift_error),
-                "stated": number(values["drift_err_stated_deg_h"], 2),
+                "stated": number(rounding(values["drift_err_stated_deg_h"], size_deg_h), 2),
                 "integral": plus_minus(
                     values["integral_less_commanded_deg"],
                     values["integral_err_coloured_deg"] or values["integral_err_deg"],
@@ -181,24 +209,30 @@ def _difference(row: Row) -> str:
     return plus_minus(real(row["difference_deg_h"]), None if noise is None else noise * SECONDS_PER_HOUR)
 
 
+def _largest_rate(rates: list[Row]) -> float:
+    """The largest rate that was taken away [deg/s]: a commanded one, or Earth's."""
+    return max([EARTH_RATE_DEG_S, *(abs(real(row["commanded_deg_s"]) or 0.0) for row in rates)])
+
+
 def _rate_rows(rows: list[Row]) -> list[list[str]]:
-    """Axis, segment, measured, commanded, difference, error, sigma, ppm, the sine that is left, verdict."""
+    """Axis, segment, measured, commanded, difference, sigma, ppm, the sine that is left, verdict."""
+    largest = _largest_rate(rows)
     out = []
     for row in rows:
         values = {name: real(text) for name, text in row.items()}
-        verdict = row["verdict"] + (f": {row['looks_like']}" if row["looks_like"] else "")
+        measured, wanted = (rounding(values[f"{of}_deg_s"], largest) for of in ("measured", "commanded"))
+        difference = rounding(values["difference_deg_h"], largest * SECONDS_PER_HOUR)
         out.append(
             [
                 row["axis"],
-                "whole run" if row["segment"] == "all" else row["segment"],
-                number(values["measured_deg_s"], 9),
-                number(values["commanded_deg_s"], 9),
-                number(values["difference_deg_h"], 4),
-                number(values["difference_err_deg_h"], 2),
+                "whole run" if is_whole(row, rows) else row["segment"],
+                number(measured, 9),
+                number(wanted, 9),
+                plus_minus(difference, values["difference_err_deg_h"]),
                 number(values["difference_sigma"], 3),
                 number(values["difference_ppm"], 4),
                 plus_minus(values["sine_deg_h"], values["sine_err_deg_h"]),
-                verdict,
+                row["verdict"] + (f": {row['looks_like']}" if row["looks_like"] else ""),
             ]
         )
     return out
@@ -237,7 +271,7 @@ def _fit_rows(rows: list[Row], name: str, unit: str, slope: str) -> list[list[st
         cells = [row[name], row["segment"]]
         for letter, of in (("a", unit), ("b", unit), ("d", "rad"), ("e", slope)):
             error = real(row[f"{letter}_err_coloured_{of}"]) or real(row[f"{letter}_err_{of}"])
-            cells.append(concise(real(row[f"{letter}_{of}"]), error))
+            cells.append(plus_minus(real(row[f"{letter}_{of}"]), error))
         out.append([*cells, number(real(row[f"sigma_{unit}"]), 3), row["records"]])
     return out
 
@@ -275,8 +309,10 @@ def _places(folder: Path, version: str) -> list[dict[str, str]]:
     return [entry for entry in out if entry["where"]]
 
 
-def _figures(folder: Path, version: str) -> tuple[list[dict[str, str]], list[str], dict[str, str]]:
-    """Pictures for the page; names of those that are linked; those not drawn, with the reason."""
+def _figures(
+    folder: Path, version: str, seen: Mapping[str, Any]
+) -> tuple[list[dict[str, str]], list[tuple[str, str]], dict[str, str]]:
+    """Pictures for the page; names and titles of those that are linked; those not drawn, with the reason."""
     path = folder / "figures" / "index.json"
     if not path.is_file():
         return [], [], {}
@@ -285,25 +321,23 @@ def _figures(folder: Path, version: str) -> tuple[list[dict[str, str]], list[str
     if index.get("version_id") != version:
         return [], [], {}
     shown, linked, spent = [], [], 0
-    for stem in dict.fromkeys(Path(name).stem for name in names):
+    stems = dict.fromkeys(Path(name).stem for name in names)
+    for stem in sorted(
+        stems, key=lambda stem: list(FIGURES).index(stem) if stem in FIGURES else len(FIGURES)
+    ):
         files = [folder / "figures" / name for name in names if Path(name).stem == stem]
         files = [file for file in files if file.suffix in _TYPES and file.is_file()]
-        if not files:
+        if not files or (stem == "flags" and not seen["flagged"]):  # a chart of zeros
             continue
         smallest = min(files, key=lambda file: (file.stat().st_size, file.name))
+        title = FIGURES.get(stem, stem.replace("_", " "))
         cost = 4 * smallest.stat().st_size // 3
-        if spent + cost > _MOST_PICTURES:
-            linked.append(f"figures/{smallest.name}")
+        if stem in _LINKED or spent + cost > _MOST_PICTURES:
+            linked.append((f"figures/{smallest.name}", title))
             continue
         spent += cost
         data = b64encode(smallest.read_bytes()).decode()
-        shown.append(
-            {
-                "stem": stem,
-                "title": FIGURES.get(stem, stem.replace("_", " ")),
-                "data": f"data:{_TYPES[smallest.suffix]};base64,{data}",
-            }
-        )
+        shown.append({"title": title, "data": f"data:{_TYPES[smallest.suffix]};base64,{data}"})
     left_out = index.get("left_out", {})
     return shown, linked, left_out if isinstance(left_out, dict) else {}
 

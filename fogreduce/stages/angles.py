@@ -6,7 +6,7 @@ offset rule, as `fogreduce.stages.drift` does: the curve starts at the commanded
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,16 +59,48 @@ def residual_bins(
         NaN where a bin is not wholly inside a segment (guard left out) that has a curve.
     """
     found = np.full(time_s.shape, np.nan)
-    for k, segment in enumerate(segments):
+    for segment, inside in inside_segments(segments, time_s, bin_s, guard_s):
         item = channel_of(segment, name)
-        if item is None:
-            continue
-        first, last = k == 0, k == len(segments) - 1
-        low = -np.inf if first else segment["start_s"] + guard_s + bin_s / 2
-        high = np.inf if last else segment["stop_s"] - guard_s - bin_s / 2
-        inside = (time_s >= low) & (time_s < high)
-        found[inside] = mean[inside] - binned_curve(item, time_s[inside], bin_s)
+        if item is not None:
+            found[inside] = mean[inside] - binned_curve(item, time_s[inside], bin_s)
     return found
+
+
+def less_commanded(
+    segments: Sequence[Segment], sign: float, time_s: Array, mean: Array, bin_s: float, guard_s: float
+) -> Array:
+    """Bins of an axis less the commanded rate about it [deg/s].
+
+    Parameters
+    ----------
+    segments : sequence of mappings
+        The fits.
+    sign : float
+        The axis' part of the table's axis, by which the table's rate is multiplied.
+    time_s, mean : (m,) arrays
+        Middles of the bins [s] and their means [deg/s], Earth's rate taken away.
+    bin_s, guard_s : float
+        As for `residual_bins`.
+
+    Returns
+    -------
+    (m,) array
+        NaN where a bin is not wholly inside a segment (guard left out).
+    """
+    found = np.full(time_s.shape, np.nan)
+    for segment, inside in inside_segments(segments, time_s, bin_s, guard_s):
+        found[inside] = mean[inside] - sign * segment["rate_deg_s"]
+    return found
+
+
+def inside_segments(
+    segments: Sequence[Segment], time_s: Array, bin_s: float, guard_s: float
+) -> Iterator[tuple[Segment, NDArray[np.bool_]]]:
+    """Each segment, and which bins (m,) lie wholly inside it, the guard [s] at its edges left out."""
+    for k, segment in enumerate(segments):
+        low = -np.inf if k == 0 else segment["start_s"] + guard_s + bin_s / 2
+        high = np.inf if k == len(segments) - 1 else segment["stop_s"] - guard_s - bin_s / 2
+        yield segment, (time_s >= low) & (time_s < high)
 
 
 def error_angle(segments: Sequence[Segment], axis: str, time_s: Array) -> Array:

@@ -38,15 +38,15 @@ LOOKS = "looks like the other sign: gyro1 (capture.polarity)"
 
 
 def test_the_runs_page_begins_with_its_red_flags(wrong) -> None:
-    page = html_checks.check((wrong / "c1" / "r1" / "index.html").read_text(), scripts=0)
+    page = html_checks.check((wrong / "c1" / "r1" / "index.html").read_text(), scripts=1)
     assert LOOKS in page.words
     assert page.words.index("red flag") < page.words.index("What was run")
-    good = html_checks.check((wrong / "c1" / "r2" / "index.html").read_text(), scripts=0)
+    good = html_checks.check((wrong / "c1" / "r2" / "index.html").read_text(), scripts=1)
     assert "red flag" not in good.words
 
 
 def test_mean_rates_stand_beside_drift(wrong) -> None:
-    page = html_checks.check((wrong / "c1" / "r1" / "index.html").read_text(), scripts=0)
+    page = html_checks.check((wrong / "c1" / "r1" / "index.html").read_text(), scripts=1)
     drift = page.words[page.words.index("Drift of each axis.") :]
     assert "mean rate less commanded [deg/h]" in drift[:700]
     with (wrong / "c1" / "r1" / "tables" / "rates.csv").open() as file:
@@ -55,13 +55,13 @@ def test_mean_rates_stand_beside_drift(wrong) -> None:
 
 
 def test_the_campaigns_page_and_the_index_link_it(wrong) -> None:
-    for name, href, scripts in (("c1/index.html", "r1/index.html", 1), ("index.html", "c1/r1/index.html", 0)):
-        page = html_checks.check((wrong / name).read_text(), scripts=scripts)
+    for name, href in (("c1/index.html", "r1/index.html"), ("index.html", "c1/r1/index.html")):
+        page = html_checks.check((wrong / name).read_text(), scripts=1)
         assert LOOKS in page.words
         assert any(attrs.get("href") == href for attrs in page.all("a"))
     campaign = html_checks.check((wrong / "c1" / "index.html").read_text(), scripts=1)
     states = {attrs["data-run"]: attrs["data-state"] for attrs in campaign.all("tr") if "data-run" in attrs}
-    assert list(states.values()) == ["red flag", "reduced"]
+    assert list(states.values()) == ["flagged", "good"]
 
 
 def test_warnings_of_ingest_and_shares_of_records() -> None:
@@ -83,19 +83,19 @@ def test_a_warning_in_the_table_is_on_the_page(wrong, tmp_path) -> None:
     (folder / "tables" / "warnings.csv").write_text(f"{header}\n{line}\n")
     (folder / "reports" / "overview.json").unlink()
     succeed("page", "run", folder)
-    page = html_checks.check((folder / "index.html").read_text(), scripts=0)
+    page = html_checks.check((folder / "index.html").read_text(), scripts=1)
     assert "capture.fogcap: rate of the stamps: found 101 Hz; expected 100 Hz" in page.words
 
 
 def test_red_flags_come_before_warnings_and_few_are_shown() -> None:
-    def of(kind: str, number: int) -> dict:
-        return {"attention": [{"kind": kind, "text": str(k)} for k in range(number)]}
+    def of(kind: str, number: int) -> list[dict]:
+        return [{"kind": kind, "text": str(k)} for k in range(number)]
 
     runs = [("a", None, of("warning", 2)), ("b", "b.html", of("red flag", 3)), ("c", None, of("warning", 0))]
     found = runs_to_see(runs, most=1)
     assert found.shown == [{"run": "b", "href": "b.html", "kind": "red flag", "text": "0", "more": 2}]
     assert found.more == 1
-    shown, more = first_of_each(of("warning", 9)["attention"])
+    shown, more = first_of_each(of("warning", 9))
     assert (len(shown), more) == (6, 3)
 
 

@@ -25,7 +25,7 @@ def page_of_many(tmp_path_factory):
 
 
 def test_it_names_each_campaign_and_leads_to_its_page(page_of_lab) -> None:
-    page = html_checks.check(page_of_lab.read_text(), scripts=0)
+    page = html_checks.check(page_of_lab.read_text(), scripts=1)
     assert HOSTILE in page.words
     links = [attrs["href"] for attrs in page.all("a") if not attrs["href"].startswith("#")]
     assert links == ["c1/index.html"]
@@ -33,7 +33,7 @@ def test_it_names_each_campaign_and_leads_to_its_page(page_of_lab) -> None:
 
 
 def test_few_runs_have_a_centre_and_no_limits(page_of_lab) -> None:
-    page = html_checks.check(page_of_lab.read_text(), scripts=0)
+    page = html_checks.check(page_of_lab.read_text(), scripts=1)
     assert "Unit TETRA-01: 2 runs" in page.words
     assert "too few runs" in page.words
     assert all("no limits" in attrs["aria-label"] for attrs in page.all("svg"))
@@ -41,7 +41,7 @@ def test_few_runs_have_a_centre_and_no_limits(page_of_lab) -> None:
 
 def test_a_thousand_runs_as_control_charts_with_what_lies_outside(page_of_many) -> None:
     text = page_of_many.read_text()
-    page = html_checks.check(text, scripts=0)
+    page = html_checks.check(text, scripts=1)
     print(f"1,000 runs: {len(text.encode()) / 1e6:.2f} MB")
     assert len(text.encode()) < 5e6
     # The 610th run lies 1.5 deg/h off on every axis.

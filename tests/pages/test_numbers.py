@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fogreduce.pages.numbers import apart
+from fogreduce.pages.numbers import apart, number, plus_minus, rounding
 
 
 @pytest.mark.parametrize(
@@ -19,3 +19,17 @@ from fogreduce.pages.numbers import apart
 )
 def test_ticks_are_told_apart(values, texts):
     assert apart(values) == texts
+
+
+def test_rounding_is_no_number():
+    """What 10 deg/s leave in deg/h where they are subtracted from themselves."""
+    commanded = 36_000.0
+    assert [number(rounding(value, commanded)) for value in (3e-17, -7e-12, 0.0)] == ["0", "0", "0"]
+    assert rounding(1e-9, commanded) == 1e-9
+    assert rounding(None, commanded) is None
+
+
+def test_a_value_and_its_error_end_at_the_same_digit():
+    assert plus_minus(-0.0161, 0.0281) == "\u22120.016 \u00b1 0.028"
+    assert plus_minus(0.0, 0.5) == "0.00 \u00b1 0.50"
+    assert plus_minus(-6e-6, 1.1e-5) == "(\u22120.6 \u00b1 1.1) \u00b7 10\u207b\u2075"

@@ -179,7 +179,7 @@ def test_once_mended_only_what_was_missing_is_made_and_a_further_call_does_nothi
     third = snakemake(place)
     assert "Nothing to be done" in third.stderr
     assert third.stderr.splitlines()[-2:] == [
-        "3 runs: 3 reduced, of these 0 with something flagged and 0 with red flags",
+        "3 runs: 3 reduced, of these 0 flagged",
         "Open results/index.html",
     ]
 
@@ -218,7 +218,7 @@ def test_a_terminal_sees_the_end_and_the_log_has_all(
     said = [line for line in first.stderr.splitlines() if line.strip()]
     assert first.stdout == ""
     assert len(said) < 16, first.stderr
-    assert "4 runs: 3 reduced, of these 0 with something flagged and 0 with red flags; 1 not reduced" in said
+    assert "4 runs: 3 reduced, of these 0 flagged; 1 not reduced" in said
     assert "Open results/index.html" in said
     (log,) = (place / ".snakemake" / "log").glob("*.log")
     kept = log.read_text()

@@ -7,7 +7,8 @@ from fogreduce.provenance.digest import data_digest, file_digest
 
 TEMPLATES = {
     path.name: file_digest(path)
-    for path in sorted((Path(fogreduce.__file__).parent / "pages/templates").iterdir())
+    for folder in ("templates", "uplot")
+    for path in sorted((Path(fogreduce.__file__).parent / "pages" / folder).iterdir())
 }
 
 

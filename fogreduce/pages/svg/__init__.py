@@ -1,9 +1,11 @@
-"""Figures of pages as SVG text, drawn without a plotting library: points with error bars, traces, bars, maps.
+"""Figures of pages as SVG text, drawn without a plotting library: points with error bars, bands over time,
+traces, bars, maps.
 
-Traces, bars and maps take the width that they are drawn for: `WIDE`, or `SLIM` for a phone, on which a wide
-figure's words could not be read.
+Bands, traces, bars and maps take the width that they are drawn for: `WIDE`, or `SLIM` for a phone, on which
+a wide figure's words could not be read.
 """
 
+from fogreduce.pages.svg.bands import Band, bands
 from fogreduce.pages.svg.bars import Bar, bars, grid, shares
 from fogreduce.pages.svg.frame import AFTER, BEFORE, SLIM, WIDE, whole
 from fogreduce.pages.svg.points import Panel, points, some_ticks
@@ -14,8 +16,10 @@ __all__ = [
     "BEFORE",
     "SLIM",
     "WIDE",
+    "Band",
     "Bar",
     "Panel",
+    "bands",
     "bars",
     "grid",
     "points",

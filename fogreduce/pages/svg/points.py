@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from markupsafe import Markup
@@ -64,6 +64,14 @@ class Panel:
     out: frozenset[int] = field(default_factory=frozenset)
     zero: bool = False
 
+    def ends(self, entry: int, value: float) -> tuple[float, float] | None:
+        """Ends of an entry's bar; None where it has none."""
+        if self.lows:
+            low, high = self.lows[entry], self.highs[entry]
+            return None if low is None or high is None else (low, high)
+        error = self.errors[entry] if self.errors else None
+        return None if error is None else (value - error, value + error)
+
 
 def points(
     panels: Sequence[Panel],
@@ -95,9 +103,20 @@ def points(
     step = inner / max(size, 1)
     radius = max(1.4, min(4.0, 0.42 * step))
     body, top = [], float(TOP)
+    # A run's marks in all panels are one path: a figure of a thousand runs stays small.
+    marks: dict[str, dict[int, str]] = {"in": {}, "out": {}, "absent": {}}
     for panel in panels:
-        body += _panel(panel, top, height, step, radius, absent, linked)
+        body += _panel(panel, top, height, step)
+        for kind, entry, path in _marks(panel, top, height, step, radius, absent):
+            marks[kind][entry] = marks[kind].get(entry, "") + path
         top += height + GAP
+    drawn = {
+        kind: "".join(_path(path, entry, linked) for entry, path in of.items()) for kind, of in marks.items()
+    }
+    bars = POINT if size <= _MANY else PALE
+    body.append(f'<g fill="{POINT}" stroke="{bars}">{drawn["in"]}</g>')
+    body.append(f'<g fill="#ffffff" stroke="{WARNING}" stroke-width="2">{drawn["out"]}</g>')
+    body.append(f'<g fill="none" stroke="{QUIET}" stroke-width="1.5">{drawn["absent"]}</g>')
     for entry, text in ticks:
         x = LEFT + (entry + 0.5) * step
         body.append(text_at(min(max(x, LEFT), WIDTH - 40), top + 4, text, "middle", QUIET))
@@ -112,15 +131,10 @@ def some_ticks(names: Sequence[str], most: int = 8) -> list[tuple[int, str]]:
     return [(entry, names[entry]) for entry in range(0, len(names), step)]
 
 
-def _panel(
-    panel: Panel, top: float, height: float, step: float, radius: float, absent: Sequence[int], linked: bool
-) -> list[str]:
+def _panel(panel: Panel, top: float, height: float, step: float) -> list[str]:
+    """Frame, scale, limits and centre of a panel."""
     low, high = _span(panel)
-    scale = (height - 12) / (high - low)
-
-    def y(value: float) -> float:
-        return top + height - 6 - (value - low) * scale
-
+    y = _place(low, high, top, height)
     inner = WIDTH - LEFT - RIGHT
     body = [f'<g fill="none" stroke="#dddddd">{_grid(low, high, y)}</g>']
     ticks = nice(low, high)
@@ -138,20 +152,31 @@ def _panel(
     if panel.centre is not None and low <= panel.centre <= high:
         line = f"M{LEFT},{y(panel.centre):.1f}H{WIDTH - RIGHT}"
         body.append(f'<path d="{line}" stroke="{INK}"/>')
-    marks: dict[str, list[str]] = {"in": [], "out": [], "absent": []}
+    return body
+
+
+def _place(low: float, high: float, top: float, height: float) -> Place:
+    """Where a value stands in a panel that shows values from low to high."""
+    scale = (height - 12) / (high - low)
+    return lambda value: top + height - 6 - (value - low) * scale
+
+
+def _marks(
+    panel: Panel, top: float, height: float, step: float, radius: float, absent: Sequence[int]
+) -> Iterator[tuple[str, int, str]]:
+    """Each entry's mark in a panel: whether it is in, out or absent, the entry, and its path."""
+    span = _span(panel)
+    y = _place(*span, top, height)
     for entry, value in enumerate(panel.values):
         if value is not None:
-            kind = "out" if entry in panel.out else "in"
-            path = _point(panel, entry, value, (low, high), y, step, radius)
-            marks[kind].append(_path(path, entry, linked))
+            yield (
+                "out" if entry in panel.out else "in",
+                entry,
+                _point(panel, entry, value, span, y, step, radius),
+            )
     for entry in absent:
         x, at = LEFT + (entry + 0.5) * step, top + height - 8
-        marks["absent"].append(_path(_cross(x, at, max(2.0, radius)), entry, linked))
-    bars = POINT if len(panel.values) <= _MANY else PALE
-    body.append(f'<g fill="{POINT}" stroke="{bars}">{"".join(marks["in"])}</g>')
-    body.append(f'<g fill="#ffffff" stroke="{WARNING}" stroke-width="2">{"".join(marks["out"])}</g>')
-    body.append(f'<g fill="none" stroke="{QUIET}" stroke-width="1.5">{"".join(marks["absent"])}</g>')
-    return body
+        yield "absent", entry, _cross(x, at, max(2.0, radius))
 
 
 def _point(
@@ -170,7 +195,7 @@ def _point(
         at, way = (y(span[1]), -1.0) if up else (y(span[0]), 1.0)
         w = radius + 1.0
         return f"M{x - w:.1f},{at:.1f}h{2 * w:.1f}l{-w:.1f},{1.6 * w * way:.1f}z"
-    ends = _ends(panel, entry, value)
+    ends = panel.ends(entry, value)
     bar = ""
     if ends is not None:
         low, high = (y(min(max(end, span[0]), span[1])) for end in ends)
@@ -178,17 +203,12 @@ def _point(
     if entry in panel.out:
         d = radius + 1.5  # a diamond: the shape says it without the colour
         return f"{bar}M{x - d:.1f},{y(value):.1f}l{d:.1f},{-d:.1f}l{d:.1f},{d:.1f}l{-d:.1f},{d:.1f}z"
+    if len(panel.values) > _MANY:  # a square, which takes fewer letters than a circle
+        r = f"{2 * radius:.1f}"
+        return f"{bar}M{x - radius:.1f},{y(value) - radius:.1f}h{r}v{r}h-{r}z"
     r = f"{radius:.1f}"
     half = f"a{r},{r} 0 1 0"
     return f"{bar}M{x - radius:.1f},{y(value):.1f}{half} {2 * radius:.1f},0{half} {-2 * radius:.1f},0"
-
-
-def _ends(panel: Panel, entry: int, value: float) -> tuple[float, float] | None:
-    if panel.lows:
-        low, high = panel.lows[entry], panel.highs[entry]
-        return None if low is None or high is None else (low, high)
-    error = panel.errors[entry] if panel.errors else None
-    return None if error is None else (value - error, value + error)
 
 
 def _cross(x: float, y: float, r: float) -> str:
@@ -224,7 +244,7 @@ def _span(panel: Panel) -> tuple[float, float]:
         end
         for entry, value in enumerate(panel.values)
         if value is not None and shown[0] <= value <= shown[-1]
-        for end in _ends(panel, entry, value) or (value,)
+        for end in panel.ends(entry, value) or (value,)
     ]
     if panel.zero:
         ends.append(0.0)

@@ -7,6 +7,7 @@
   const form = document.querySelector("form.controls");
   const words = document.getElementById("words");
   const state = document.getElementById("state");
+  const column = Array.from(table.tHead.rows[0].cells).findIndex((header) => header.id === "of-table");
   const turned = document.getElementById("table");
   const shown = document.getElementById("shown");
   const texts = rows.map((row) => row.textContent.toLowerCase());
@@ -55,7 +56,7 @@
       const text = texts[order.get(row)];
       const fits = wanted.every((word) => text.includes(word)) &&
         (!state.value || row.dataset.state === state.value) &&
-        (!turned || !turned.value || row.cells[3].textContent === turned.value);
+        (!turned || !turned.value || row.cells[column].textContent === turned.value);
       number += fits;
       if (row.hidden === !fits) continue;
       row.hidden = !fits;
@@ -78,7 +79,7 @@
       if (!point || point.firstChild) return;
       const title = document.createElementNS("http://www.w3.org/2000/svg", "title");
       const row = byRun.get(point.dataset.r);
-      title.textContent = row.cells[0].textContent + ", " + row.cells[1].textContent + ", " + row.cells[2].textContent;
+      title.textContent = [0, 1, column - 1].map((place) => row.cells[place].textContent).join(", ");
       point.append(title);
     });
     figure.addEventListener("click", (event) => {
