@@ -71,3 +71,31 @@ def test_the_shortest_of_logs(tmp_path, seconds) -> None:
     arguments = ["--calibrations", str(tmp_path / "cal"), "--detectable", "--out", str(tmp_path / "out")]
     assert main(["diagnose", str(tmp_path / "plan"), *arguments]) == 0
     assert json.loads((tmp_path / "out" / "detectable.json").read_text())["effects"]
+
+
+def slow_log(root, effects: list[dict]):
+    """One standstill of 28 hours, a record every 50 s."""
+    write_record(root, RECORD)
+    write_run(root, "r0", "z", [(0.0, 2000 / 0.02)], 4, 0.02, "csv-1")
+    return simulated(root, effects, "bench", 5)
+
+
+def test_a_slow_log_with_nothing_wrong_is_no_gap(tmp_path) -> None:
+    assert diagnosed(tmp_path, slow_log(tmp_path, []))["verdict"] == "no_gap"
+
+
+def test_more_white_noise_than_the_record_states_is_that_in_a_slow_log_too(tmp_path) -> None:
+    """And no temperature's doing, though nobody logged one."""
+    gyros = ["gyro1", "gyro2", "gyro3"]
+    louder = {
+        "effect": "angle_random_walk", "channels": gyros, "runs": ["*"], "parameters": {"deg_sqrt_h": 4e-3}
+    }  # fmt: skip
+    found = diagnosed(tmp_path, slow_log(tmp_path, [louder]))
+    assert found["verdict"] == "explained"
+    assert sorted((c["effect"], c["channels"][0]) for c in found["causes"]) == [
+        ("angle_random_walk", gyro) for gyro in gyros
+    ]
+    for cause in found["causes"]:
+        level = cause["parameters"]["deg_sqrt_h"]
+        assert abs(level["value"] - 4e-3) < 4.0 * level["std"]  # once in 16000
+    assert "A log this slow shows noise levels" in (tmp_path / "out-bench" / "index.html").read_text()

@@ -80,6 +80,7 @@ def _expected_levels(inputs: Sequence[RunInput]) -> Levels | None:
         np.full(len(frequency), facts.sample_rate_hz),
         np.ones((n, len(frequency))),
         np.zeros((n, len(frequency))),
+        np.zeros((n, len(frequency))),
     )
 
 

@@ -24,6 +24,8 @@ FIRST_LINE = 4  # lines of a piece's spectrum below this are left out: trends le
 MOST_BITS = 16
 NORMAL = 1.4826  # standard deviation over median absolute deviation of normal deviates
 ASLEEP = 0.1  # of the usual noise: a converter at its rail
+#: In a slow log the lower half of a piece's lines is left out: block means of two samples show that.
+_SLOW_PIECE, _SLOW_PIECES = 32, 16
 _CALM = 2.0  # times the usual power of a piece: more is an edge or a glitch, not noise
 
 
@@ -144,12 +146,13 @@ def straightened(values: Array) -> Array:
 
 def _spectrum(filled: Array, rate_hz: float) -> tuple[int, Array, Array, Array]:
     n, size = filled.shape
-    length = min(PIECE, size // 4)
-    if length < 16 or rate_hz < SLOWEST_HZ:
+    slow = rate_hz < SLOWEST_HZ
+    length = _SLOW_PIECE if slow else min(PIECE, size // 4)
+    if length < 16 or (slow and size < _SLOW_PIECES * length):
         return 0, np.zeros(0), np.zeros((n, 0)), np.zeros((0, n, n))
     pieces = size // length
     cut = straightened(filled[:, : pieces * length].reshape(n, pieces, length))
-    first = min(FIRST_LINE, length // 8)
+    first = length // 4 if slow else min(FIRST_LINE, length // 8)
     lines = np.fft.rfft(cut, axis=2)[:, :, first:-1]
     parts = np.stack([lines.real, lines.imag], axis=1) / np.sqrt(length)  # (n, 2, pieces, F)
     # a piece with an edge of the profile that came late, or with a glitch, is no noise

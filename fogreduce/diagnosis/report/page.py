@@ -9,6 +9,7 @@ from html import escape
 from typing import Any
 
 from fogreduce.diagnosis.diagnose import Diagnosis
+from fogreduce.diagnosis.observe.capture import SLOWEST_HZ
 from fogreduce.diagnosis.report import next_run
 from fogreduce.diagnosis.report.html import both, document, items, table
 from fogreduce.diagnosis.report.stale import way_out
@@ -388,6 +389,8 @@ def _left_out(diagnosis: Diagnosis) -> str:
         )
     if max((run.pieces for run in diagnosis.data.full), default=0) == 0:
         said.append("Too few samples for a spectrum: noise levels, lines and filters are not looked for.")
+    elif facts.sample_rate_hz < SLOWEST_HZ:
+        said.append("A log this slow shows noise levels; lines and filters are not looked for.")
     if diagnosis.document["causes"]:
         said.append("simulator.yaml beside this page puts the causes into the simulator.")
     return "".join(f'<p class="quiet">{escape(line)}</p>' for line in said)

@@ -80,19 +80,19 @@ class Fast:
         """Level of the lowest quarter of the spectrum in each run (R, n); a filter leaves block means as they
         are.
         """
-        out = np.ones(self.data.n)
-        for i in range(self.data.n if self.levels is not None else 0):
-            assert self.levels is not None
-            keep = self.levels.keep[i] & self.levels.lowest & (self.levels.pieces[i] > 0)
-            if keep.any():
-                part = (self.levels.ratio[i] / self.held[i])[keep]
-                out[i] = float(np.sqrt(max(np.average(part, weights=self.levels.pieces[i, keep]), 1e-4)))
+        out, lv = np.ones(self.data.n), self.levels
+        for i in range(self.data.n if lv is not None else 0):
+            assert lv is not None
+            keep = lv.keep[i] & lv.lowest & (lv.pieces[i] > 0)
+            part = lv.ratio[i] / self.held[i]
             rivals = frozenset({"low_pass", "angle_random_walk", *DRIFTS})
-            found = level_findings(self.levels, i, rivals, self.held[i], False)
+            found = level_findings(lv, i, rivals, self.held[i], False)
             best = max(found, key=lambda f: f.log_b, default=None)
-            if best is not None and best.process is not None and best.log_b > 3.0 and keep.any():
-                part = part / self.levels.beside(*best.process, i)[keep]
-                out[i] = float(np.sqrt(max(np.average(part, weights=self.levels.pieces[i, keep]), 1e-4)))
+            if best is not None and best.process is not None and best.log_b > 3.0:
+                part = part / lv.beside(*best.process, i)
+            if keep.any():
+                white = np.average(lv.less_drift(part, i)[keep], weights=lv.pieces[i, keep])
+                out[i] = float(np.sqrt(max(white, 1e-4)))
             if best is not None and best.effect == "low_pass" and best.log_b > 3.0:
                 out[i] = 1.0
         return np.clip(out, 0.2, 1e3) * self._rounding() * self.data.own_noise

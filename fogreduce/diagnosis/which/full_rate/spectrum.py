@@ -58,8 +58,8 @@ class Levels:
         Sample rate of the runs that each line comes from.
     expected : (n, F) array
         Power that the record states [(deg/h)^2], rounding in it.
-    rounding : (n, F) array
-        The part of it that rounding to counts makes.
+    rounding, drift : (n, F) arrays
+        The parts of it that rounding to counts and what the record states as slow make.
     """
 
     ratio: Array
@@ -72,6 +72,7 @@ class Levels:
     rate_hz: Array
     expected: Array
     rounding: Array
+    drift: Array
 
     @property
     def lowest(self) -> NDArray[np.bool_]:
@@ -101,11 +102,18 @@ class Levels:
     def white_level(self, mean: float, i: int, which: NDArray[np.bool_]) -> float:
         """N [deg/sqrt(h)] of gyro i whose power in some lines is `mean` times the expected one.
 
-        Rounding goes off once, whatever the level: it is no part of N.
+        Rounding and drift go off once, whatever the level: they are no part of N.
         """
         weight = self.pieces[i, which]
-        rounding = float(weight @ (self.rounding[i, which] / self.expected[i, which]) / weight.sum())
-        return float(self.stated[i] * np.sqrt(max(mean - rounding, 1e-12) / max(1.0 - rounding, 1e-12)))
+        share = (self.rounding[i, which] + self.drift[i, which]) / self.expected[i, which]
+        settled = float(weight @ share / weight.sum())
+        return float(self.stated[i] * np.sqrt(max(mean - settled, 1e-12) / max(1.0 - settled, 1e-12)))
+
+    def less_drift(self, ratio: Array, i: int) -> Array:
+        """Ratios (F,) of gyro i to the expected power as those to the part of it that is no drift."""
+        share = self.drift[i] / self.expected[i]
+        result: Array = (ratio - share) / (1.0 - share)
+        return result
 
     def beside(self, kind: str, size: float, i: int) -> Array:
         """Shape (F,) that a further process gives the spectrum of gyro i; a smooth one does not show."""
@@ -172,6 +180,7 @@ def levels(
         rate_hz=np.concatenate([part.rate_hz for part in each]),
         expected=np.hstack([part.expected for part in each]),
         rounding=np.hstack([part.rounding for part in each]),
+        drift=np.hstack([part.drift for part in each]),
     )
 
 
@@ -189,7 +198,8 @@ def _group(
     white = np.array([float(white_sigma(s, rate)) for s in stated]) * SECONDS_PER_HOUR
     rounding = rounding_variance(facts, bits)
     # what the record states as slow adds to the lowest lines; white noise of variance s^2 has s^2 in each
-    expected = (white**2 + rounding)[:, None] + shown_drift(rate, frequency, *colour)
+    drift = shown_drift(rate, frequency, *colour)
+    expected = (white**2 + rounding)[:, None] + drift
     power, pieces = np.zeros((n, len(frequency))), np.zeros(n)
     cross = np.zeros((len(frequency), n, n))
     for run, size in zip(runs, own, strict=True):
@@ -214,6 +224,7 @@ def _group(
         rate_hz=np.full(len(frequency), rate),
         expected=expected,
         rounding=np.repeat(rounding[:, None], len(frequency), axis=1),
+        drift=drift,
     )
     return part, cross[clean].sum(axis=0), np.sqrt(np.outer(white**2 + rounding, white**2 + rounding))
 
@@ -323,7 +334,7 @@ def level_findings(
         anything = float(best_log(ratio)) + float(log_mean_exp(_profile(np.array(mean), weight, _LEVELS)))
         if "angle_random_walk" in allowed:
             value = lv.white_level(mean, i, keep)
-            # of the whole power, whose part that is rounding is exact
+            # of the whole power, whose part that is no white noise is exact
             std = (
                 error * mean * (lv.white_level(2.0, i, keep) ** 2 - lv.white_level(1.0, i, keep) ** 2) / value
             )
