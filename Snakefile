@@ -4,15 +4,17 @@ import os
 import sys
 from pathlib import Path
 
-from fogreduce.warm.start import start
-
 # The rules call `fogreduce` as installed beside this snakemake, whether or not that is on the PATH.
 os.environ.update(
     PATH=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 )
 
 
-configfile: Path(workflow.basedir) / "workflow" / "config.yaml"
+#: This checkout, wherever the workflow that uses it lies.
+SOURCE = Path(str(workflow.current_basedir)).absolute()
+
+
+configfile: SOURCE / "workflow" / "config.yaml"
 
 
 include: "workflow/rules/common.smk"
@@ -28,7 +30,7 @@ include: "workflow/rules/diagnose.smk"
 include: "workflow/rules/derive.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/withheld.smk"
-include: "workflow/rules/ending.smk"
+include: "workflow/rules/begin_and_end.smk"
 
 
 rule all:
@@ -43,9 +45,7 @@ rule all:
 
 
 onstart:
-    lock_results()
-    if CONFIG.warm_server:
-        start()
+    begin()
 
 
 onsuccess:

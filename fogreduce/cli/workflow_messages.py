@@ -123,7 +123,7 @@ def result_lines(results: Path, runs: Iterable[tuple[str, str]], *, pages: bool)
                 overviews.append(kept_overview(folder))
     if not reduced:
         return
-    said = f"{number} runs: {reduced} reduced"
+    said = f"{number} run{'' if number == 1 else 's'}: {reduced} reduced"
     if pages:
         overviews.sort(key=lambda seen: (seen["started_at"], seen["campaign"], seen["run_id"]))
         flagged = sum(verdict.state == FLAGGED for verdict in verdicts(overviews))

@@ -14,7 +14,9 @@ rule checksums:
         run_file("logs/checksums.log"),
     params:
         edited=edited_outputs("checksums"),
-        code=code_digest("fogreduce.provenance.outputs", "fogreduce.provenance.versions"),
+        code=code_digest(
+            "fogreduce.provenance.outputs", "fogreduce.provenance.versions"
+        ),
         out=subpath(output[0], parent=True),
     shell:
         "fogreduce checksums {params.out:q} > {log:q} 2>&1"
@@ -51,7 +53,7 @@ rule bag:
         results=subpath(output[0], ancestor=2),
         campaigns=CONFIG.campaigns_dir,
         calibrations=CONFIG.calibrations_dir,
-        source=Path(workflow.basedir),
+        source=SOURCE,
         out=subpath(output[0], parent=True),
     shell:
         "fogreduce archive {params.results:q} --only {wildcards.campaign} --campaigns {params.campaigns:q}"

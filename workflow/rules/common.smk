@@ -52,9 +52,7 @@ MADE = f"{RESULTS}/_captures"  # no campaign's name begins with an underscore
 SUMMARY = f"{RESULTS}/_summary"
 
 # With another environment numbers may differ: a parameter of every rule that computes some.
-LOCK = hashlib.sha256(
-    (Path(workflow.basedir) / "requirements.lock").read_bytes()
-).hexdigest()
+LOCK = hashlib.sha256((SOURCE / "requirements.lock").read_bytes()).hexdigest()
 
 
 # Packages that read a laboratory's own formats are part of what a result comes from.
@@ -397,7 +395,10 @@ def is_of_one_record(campaign):
         if len(named) == 1:
             of_record.setdefault(record_id(named[0]), []).append(run.name)
     if len(of_record) > 1:
-        print(f"derives no record: {several_records(CAMPAIGNS[campaign], of_record)}", file=sys.stderr)
+        print(
+            f"derives no record: {several_records(CAMPAIGNS[campaign], of_record)}",
+            file=sys.stderr,
+        )
     return len(of_record) <= 1
 
 

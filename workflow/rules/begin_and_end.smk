@@ -1,4 +1,7 @@
-"""What the workflow says at its end, and what it writes where something failed."""
+"""How the workflow begins; what it says at its end, and what it writes where something failed.
+
+A Snakefile that uses this one as a module calls `begin`, `end_well` and `end_badly` in its own handlers.
+"""
 
 import csv
 import shlex
@@ -13,6 +16,7 @@ from fogreduce.cli.workflow_messages import (
     failed_lines,
     result_lines,
 )
+from fogreduce.warm.start import start
 from snakemake.logging import logger
 
 
@@ -27,6 +31,13 @@ MESSAGES = Messages(nothing_to_do=say_result)
 if workflow.is_main_process:
     logger.addHandler(MESSAGES)
     choose_messages(logger, dry_run=workflow.output_settings.dryrun)
+
+
+def begin():
+    """Lock the results, and start the server of the jobs' commands where it is wanted."""
+    lock_results()
+    if CONFIG.warm_server:
+        start()
 
 
 def end_well():
