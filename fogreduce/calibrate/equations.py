@@ -17,14 +17,17 @@ from numpy.typing import NDArray
 from fogreduce.calibrate.noise import GyroNoise, covariance
 from fogreduce.calibrate.readings import Readings
 from fogreduce.constants import SECONDS_PER_HOUR
-from fogreduce.physics.frames import turn_about_axis, up_in_unit
+from fogreduce.physics.frames import seen_by_unit, up_in_unit
 
 Array = NDArray[np.float64]
+
+_UT_PER_MT = 1e3
 
 #: Departures from a linear scale factor and a constant bias, per gyro; M is the rate about its axis [deg/s].
 SHAPES = (
     *("asymmetry", "quadratic", "cubic", "temperature_bias", "temperature_scale_factor"),
     *("electronics_bias", "warming_bias", "acceleration_x", "acceleration_y", "acceleration_z"),
+    "magnetic",
 )
 
 #: Columns of a gyro in a run: 1; Omega; its nine departures (source, axis); the shapes; the reading, less
@@ -87,7 +90,8 @@ def columns(one: Readings, gyro: int, there: NDArray[np.bool_]) -> Array:
     unit = deg_h_per_raw(one, gyro)
     reading = (one.raw[gyro, there] - facts.bias[gyro]) * unit - SECONDS_PER_HOUR * rate
     up = vertical(one)[:, there]
-    shapes = (np.abs(rate), rate**2, rate**3, warmer, warmer * rate, electronics, warming, *up)
+    magnetic = facts.axes[gyro] @ field(one)[:, there]
+    shapes = (np.abs(rate), rate**2, rate**3, warmer, warmer * rate, electronics, warming, *up, magnetic)
     departure = one.departure[:, :, there].reshape(9, -1)
     return np.column_stack((np.ones(rate.size), *motion, *departure, *shapes, reading))
 
@@ -95,10 +99,14 @@ def columns(one: Readings, gyro: int, there: NDArray[np.bool_]) -> Array:
 def vertical(one: Readings) -> Array:
     """Local vertical in the unit frame, (3, m): the acceleration that a unit at rest senses [g]."""
     facts = one.facts
-    constant, cosine, sine = turn_about_axis(facts.table_axis, up_in_unit(facts.unit_from_enu))
-    alpha = facts.profile.angle_at(one.time_s)
-    found: Array = constant[:, None] + np.outer(cosine, np.cos(alpha)) + np.outer(sine, np.sin(alpha))
-    return found
+    return seen_by_unit(facts.table_axis, up_in_unit(facts.unit_from_enu), facts.profile.angle_at(one.time_s))
+
+
+def field(one: Readings) -> Array:
+    """Magnetic field in the unit frame, (3, m) [mT]; 0 where run.yaml states none."""
+    facts, stated = one.facts, one.run.site.magnetic_field_uT
+    vector = facts.unit_from_enu @ np.array(stated or (0.0, 0.0, 0.0)) / _UT_PER_MT
+    return seen_by_unit(facts.table_axis, vector, facts.profile.angle_at(one.time_s))
 
 
 def deg_h_per_raw(one: Readings, gyro: int) -> float:

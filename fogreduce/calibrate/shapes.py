@@ -28,6 +28,7 @@ UNITS = {
     "acceleration_x": ("deg/h per g", 1.0),
     "acceleration_y": ("deg/h per g", 1.0),
     "acceleration_z": ("deg/h per g", 1.0),
+    "magnetic": ("deg/h per mT", 1.0),
 }
 #: Fitted together: an acceleration along one axis of the unit is none along another.
 ACCELERATION = ("acceleration_x", "acceleration_y", "acceleration_z")
@@ -41,6 +42,7 @@ _WORST = {
     "electronics_bias": 1e2,
     "warming_bias": 1e3,
     **dict.fromkeys(ACCELERATION, 1e2),
+    "magnetic": 1e3,
 }
 
 

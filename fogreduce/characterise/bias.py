@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 _FEWEST_MEANS = 20
 #: Departures by which a run's bias follows its rates and attitude, which is no scatter.
-_FOLLOWS = ("asymmetry", *ACCELERATION)
+_FOLLOWS = ("asymmetry", *ACCELERATION, "magnetic")
 
 
 def bias_quantities(

@@ -111,7 +111,9 @@ DEFINITIONS = {
         "IEEE 952",
     ),
     "magnetic_sensitivity": Definition(
-        "Magnetic sensitivity", "bias by a field along an axis of the unit", "IEEE 952"
+        "Magnetic sensitivity",
+        "bias by a field along the input axis, by least squares over attitudes, together with acceleration",
+        "IEEE 952",
     ),
     "bias_temperature": Definition(
         "Bias against sensor temperature",

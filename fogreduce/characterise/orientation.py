@@ -15,7 +15,11 @@ _MRAD = 1e3
 def orientation_quantities(found: Derivation, gyro: int, shapes: list[Shape]) -> list[Quantity]:
     """Of a gyro."""
     of = f"gyro{gyro + 1}"
-    return [*_misalignment(found, gyro, of), *_acceleration(shapes, gyro, of), _magnetic(of)]
+    return [
+        *_misalignment(found, gyro, of),
+        *_acceleration(shapes, gyro, of),
+        _magnetic(found, shapes, gyro, of),
+    ]
 
 
 def _misalignment(found: Derivation, gyro: int, of: str) -> list[Quantity]:
@@ -52,6 +56,17 @@ def _acceleration(shapes: list[Shape], gyro: int, of: str) -> list[Quantity]:
     return quantities
 
 
-def _magnetic(of: str) -> Quantity:
-    needs = "standstills in a coil whose field is known, along x, y and z both ways; run.yaml states no field"
+def field_is_stated(found: Derivation) -> bool:
+    """Whether every run states the magnetic field: one that does not may have any."""
+    return all(one.run.site.magnetic_field_uT is not None for one in found.readings)
+
+
+def _magnetic(found: Derivation, shapes: list[Shape], gyro: int, of: str) -> Quantity:
+    """Bias by 1 mT along the gyro's input axis, as the effect `magnetic_bias` has it."""
+    for one in shapes:
+        if one.name == "magnetic" and one.gyro == gyro:
+            return normal("magnetic_sensitivity", of, "deg/h/mT", one.value, one.std)
+    needs = "standstills in attitudes that turn the gyro's axis along the field and against it"
+    if not field_is_stated(found):
+        needs += "; `site: {magnetic_field_uT: [east, north, up]}` in the run.yaml of every run"
     return undetermined("magnetic_sensitivity", of, "deg/h/mT", needs)

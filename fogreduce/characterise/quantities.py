@@ -7,7 +7,7 @@ from fogreduce.calibrate.shapes import ACCELERATION, Shape, fitted_shapes
 from fogreduce.characterise.bias import bias_quantities
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.noise import noise_quantities
-from fogreduce.characterise.orientation import orientation_quantities
+from fogreduce.characterise.orientation import field_is_stated, orientation_quantities
 from fogreduce.characterise.quantity import Quantity, undetermined
 from fogreduce.characterise.scale_factor import scale_factor_quantities
 from fogreduce.characterise.temperature import temperature_quantities
@@ -37,5 +37,7 @@ def report_shapes(found: Derivation) -> list[Shape]:
     more = (("electronics_bias",) if logged else ()) + (("warming_bias",) if warmed else ())
     prior = prior_of(found.readings[0])
     alone = fitted_shapes(found.products, found.solution, prior, more)
-    together = fitted_shapes(found.products, found.solution, prior, ACCELERATION, together=True)
+    # A field and the vertical keep their angle: what belongs to either is told apart together only.
+    of_place = (*ACCELERATION, "magnetic") if field_is_stated(found) else ACCELERATION
+    together = fitted_shapes(found.products, found.solution, prior, of_place, together=True)
     return [*found.shapes, *alone, *together]

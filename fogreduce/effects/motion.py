@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.earth_rate import EarthPart
-from fogreduce.physics.frames import turn_about_axis
+from fogreduce.physics.frames import seen_by_unit
 from fogreduce.physics.table_motion import Profile, table_rates
 
 Array = NDArray[np.float64]
@@ -140,8 +140,4 @@ class Motion:
 
     def seen(self, direction_enu: Array, alpha_rad: Array) -> Array:
         """A direction fixed in the room (east, north, up) as the unit sees it, (3, N)."""
-        constant, cosine, sine = turn_about_axis(self.table_axis, self.unit_from_enu @ direction_enu)
-        seen = np.outer(cosine, np.cos(alpha_rad))
-        seen += np.outer(sine, np.sin(alpha_rad))
-        seen += constant[:, None]
-        return seen
+        return seen_by_unit(self.table_axis, self.unit_from_enu @ direction_enu, alpha_rad)

@@ -86,6 +86,10 @@ class Site(Model):
     latitude_uncertainty_deg: NotNegative = Field(
         default=0.001, description="standard deviation of the latitude [deg]"
     )
+    magnetic_field_uT: Triple | None = Field(
+        default=None,
+        description="magnetic field at the unit [uT] along east, north, up: Earth's, a coil's with it",
+    )
 
 
 class ProfileStep(Model):

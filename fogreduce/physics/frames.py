@@ -70,6 +70,23 @@ def turn_about_axis(axis: Array, vector: Array) -> tuple[Array, Array, Array]:
     return constant, vector - constant, -np.cross(axis, vector)
 
 
+def seen_by_unit(axis: Array, vector: Array, alpha_rad: Array) -> Array:
+    """A vector fixed in the room as the turning unit sees it, ``R(axis, -alpha) v``, (3, N).
+
+    Parameters
+    ----------
+    axis, vector : (3,) arrays
+        As of `turn_about_axis`.
+    alpha_rad : (N,) array
+        Table angles [rad].
+    """
+    constant, cosine, sine = turn_about_axis(axis, vector)
+    seen = np.outer(cosine, np.cos(alpha_rad))
+    seen += np.outer(sine, np.sin(alpha_rad))
+    seen += constant[:, None]
+    return seen
+
+
 def unit_from_enu(orientation: Mapping[str, str], azimuth_deg: float) -> Array:
     """u0 (3 x 3): takes local east-north-up vectors into the unit frame at t = 0.
 

@@ -5,8 +5,8 @@ Also used by `benchmarks/derivation_pulls.py`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,14 @@ import yaml
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
+from fogreduce.calibrate.readings import Readings
+from fogreduce.characterise.plan import drawn_readings
 from fogreduce.cli.main import main
 from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.metadata.calibration import CalibrationRecord
+from fogreduce.metadata.run import Run
 
-_RECORD = {
+_RECORD: dict[str, Any] = {
     "schema": "fogreduce/calibration/1",
     "unit": "UNIT",
     "version": "a",
@@ -70,22 +74,22 @@ class BenchRun:
     up: str
     profile: Sequence[tuple[float, float]]
     started_at: str = "2014-05-12T13:00:00Z"
+    #: Of the site, besides its latitude.
+    site: Mapping[str, Any] = field(default_factory=dict)
 
-
-def write_plan(folder: Path, runs: Iterable[BenchRun]) -> None:
-    """The run.yaml of each run, without captures."""
-    for one in runs:
-        run = {
+    def metadata(self) -> dict[str, Any]:
+        """Its run.yaml."""
+        return {
             "schema": "fogreduce/run/1",
-            "run_id": one.run_id,
+            "run_id": self.run_id,
             "unit": "UNIT",
-            "started_at": one.started_at,
-            "site": {"latitude_deg": 48.0},
+            "started_at": self.started_at,
+            "site": {"latitude_deg": 48.0, **self.site},
             "table": {
-                "axis": one.up[-1],
-                "profile": [{"rate_deg_s": rate, "duration_s": seconds} for rate, seconds in one.profile],
+                "axis": self.up[-1],
+                "profile": [{"rate_deg_s": rate, "duration_s": seconds} for rate, seconds in self.profile],
             },
-            "orientation": UP[one.up],
+            "orientation": UP[self.up],
             "capture": {
                 "file": "capture.fogcap",
                 "format": "fogcap-1",
@@ -95,8 +99,17 @@ def write_plan(folder: Path, runs: Iterable[BenchRun]) -> None:
             },
             "calibration": "UNIT@a",
         }
+
+    def drawn(self, record: CalibrationRecord, generator: np.random.Generator) -> Readings:
+        """Its bins, drawn from a calibration record."""
+        return drawn_readings(Run.from_data(self.metadata(), "run.yaml"), record, generator)
+
+
+def write_plan(folder: Path, runs: Iterable[BenchRun]) -> None:
+    """The run.yaml of each run, without captures."""
+    for one in runs:
         (folder / "runs" / one.run_id).mkdir(parents=True)
-        (folder / "runs" / one.run_id / "run.yaml").write_text(yaml.safe_dump(run))
+        (folder / "runs" / one.run_id / "run.yaml").write_text(yaml.safe_dump(one.metadata()))
 
 
 def drawn_in(campaign: Path) -> list[dict[str, Any]]:
@@ -131,6 +144,11 @@ class Bench:
         self.calibrations = folder / "calibrations"
         (self.calibrations / "UNIT").mkdir(parents=True)
         (self.calibrations / "UNIT" / "a.yaml").write_text(yaml.safe_dump(_RECORD))
+
+    def record(self, **noise: list[float]) -> CalibrationRecord:
+        """The record, its noise changed."""
+        data = {**_RECORD, "noise": {**_RECORD["noise"], **noise}}
+        return CalibrationRecord.from_data(data, "a.yaml")
 
     def simulate(
         self,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
+from calibration_bench import BenchRun
 
 from fogreduce.calibrate.noise import GyroNoise
 from fogreduce.calibrate.readings import Readings
@@ -23,48 +23,19 @@ from fogreduce.characterise.isolation import (
     isolated,
 )
 from fogreduce.characterise.parity import Alarm, check_campaign
-from fogreduce.characterise.plan import drawn_readings
 from fogreduce.constants import SECONDS_PER_HOUR
-from fogreduce.metadata.calibration import CalibrationRecord
-from fogreduce.metadata.run import Run
 
 #: Bin from which on a gyro fails: within the first turn.
 FAILS = 50
-UP = {"x": {"x": "up", "z": "north"}, "y": {"y": "up", "x": "north"}, "z": {"z": "up", "y": "north"}}
-
-
 RATES = (10.0, -10.0, 0.0)
-
-
-def run_about(axis: str, rates: tuple[float, ...] = RATES) -> Run:
-    """72 s at each rate [deg/s]."""
-    data = {
-        "schema": "fogreduce/run/1",
-        "run_id": f"about-{axis}",
-        "unit": "UNIT",
-        "started_at": "2014-05-12T13:00:00Z",
-        "site": {"latitude_deg": 48.0},
-        "table": {"axis": axis, "profile": [{"rate_deg_s": rate, "duration_s": 72.0} for rate in rates]},
-        "orientation": UP[axis],
-        "capture": {
-            "file": "capture.fogcap",
-            "format": "fogcap-1",
-            "sample_rate_hz": 16,
-            "volts_per_count": 1e-7,
-            "polarity": [1, -1, 1, 1],
-        },
-        "calibration": "UNIT@a",
-    }
-    return Run.from_data(data, "run.yaml")
 
 
 def drawn(
     bench: Any, axes: str, generator: np.random.Generator, rates: tuple[float, ...] = RATES
 ) -> list[Readings]:
     """Runs about the axes, drawn from the record, the scatter within each bin too."""
-    text = (bench.calibrations / "UNIT" / "a.yaml").read_text()
-    record = CalibrationRecord.from_data(yaml.safe_load(text), "a.yaml")
-    runs = [drawn_readings(run_about(axis, rates), record, generator) for axis in axes]
+    plans = [BenchRun(f"about-{axis}", axis, [(rate, 72.0) for rate in rates]) for axis in axes]
+    runs = [plan.drawn(bench.record(), generator) for plan in plans]
     return [
         replace(one, scatter=one.scatter * np.sqrt(generator.chisquare(one.count - 1) / (one.count - 1)))
         for one in runs

@@ -7,51 +7,26 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
+from calibration_bench import BenchRun
 
 from fogreduce.calibrate.derive import derive_from
 from fogreduce.characterise.bias import bias_quantities
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.noise import noise_quantities
-from fogreduce.characterise.plan import drawn_readings
 from fogreduce.characterise.quantity import Quantity
 from fogreduce.characterise.stretch import longest_stretch
 from fogreduce.metadata.calibration import CalibrationRecord
-from fogreduce.metadata.run import Run
 
 B, K = 0.03, 0.3
 HOURS = 4.0
 
 
-def record_of(bench: Any, walk: float) -> CalibrationRecord:
-    data = yaml.safe_load((bench.calibrations / "UNIT" / "a.yaml").read_text())
-    data["noise"]["rate_random_walk_deg_h_sqrt_h"] = [walk] * 4
-    return CalibrationRecord.from_data(data, "a.yaml")
+def run_of(rate_deg_s: float, duration_s: float) -> BenchRun:
+    return BenchRun("long", "x", [(rate_deg_s, duration_s)])
 
 
-def run_of(rate_deg_s: float, duration_s: float) -> Run:
-    data = {
-        "schema": "fogreduce/run/1",
-        "run_id": "long",
-        "unit": "UNIT",
-        "started_at": "2014-05-12T13:00:00Z",
-        "site": {"latitude_deg": 48.0},
-        "table": {"axis": "x", "profile": [{"rate_deg_s": rate_deg_s, "duration_s": duration_s}]},
-        "orientation": {"z": "north", "x": "up"},
-        "capture": {
-            "file": "capture.fogcap",
-            "format": "fogcap-1",
-            "sample_rate_hz": 16,
-            "volts_per_count": 1e-7,
-            "polarity": [1, -1, 1, 1],
-        },
-        "calibration": "UNIT@a",
-    }
-    return Run.from_data(data, "run.yaml")
-
-
-def quantities(run: Run, record: CalibrationRecord, seed: int) -> list[dict[str, Quantity]]:
-    found = derive_from([drawn_readings(run, record, np.random.default_rng(seed))])
+def quantities(run: BenchRun, record: CalibrationRecord, seed: int) -> list[dict[str, Quantity]]:
+    found = derive_from([run.drawn(record, np.random.default_rng(seed))])
     return [{one.name: one for one in noise_quantities(found, gyro)} for gyro in range(4)]
 
 
@@ -61,7 +36,9 @@ def test_intervals_hold_what_was_drawn_and_what_is_not_seen_is_bounded(bench: An
     held = dict.fromkeys(truth, 0)
     seen = 0
     for seed in range(8):
-        for one in quantities(run_of(0.0, HOURS * 3600), record_of(bench, K), seed):
+        for one in quantities(
+            run_of(0.0, HOURS * 3600), bench.record(rate_random_walk_deg_h_sqrt_h=[K] * 4), seed
+        ):
             for name, true in truth.items():
                 quantity = one[name]
                 assert quantity.low is not None
@@ -74,9 +51,7 @@ def test_intervals_hold_what_was_drawn_and_what_is_not_seen_is_bounded(bench: An
 
 
 def test_white_noise_alone_has_bounds_only(bench: Any) -> None:
-    data = record_of(bench, 0.0).model_dump(mode="json", by_alias=True, exclude_none=True)
-    data["noise"]["bias_instability_deg_h"] = [0.0] * 4
-    record = CalibrationRecord.from_data(data, "a.yaml")
+    record = bench.record(bias_instability_deg_h=[0.0] * 4)
     for one in quantities(run_of(0.0, 600.0), record, 1):
         for name in ("quantization", "bias_instability", "rate_random_walk", "rate_ramp"):
             assert one[name].low == 0
@@ -84,7 +59,7 @@ def test_white_noise_alone_has_bounds_only(bench: Any) -> None:
 
 
 def test_short_stretches_determine_none(bench: Any) -> None:
-    for one in quantities(run_of(0.0, 200.0), record_of(bench, 0.0), 1):
+    for one in quantities(run_of(0.0, 200.0), bench.record(), 1):
         assert one["rate_ramp"].value is None
         assert one["rate_ramp"].needs
 
@@ -92,8 +67,7 @@ def test_short_stretches_determine_none(bench: Any) -> None:
 @pytest.mark.parametrize(("rate", "fitted"), [(0.0, 0), (1.0, 2), (0.01, 0)])
 def test_a_tipped_axis_leaves_no_wave_in_the_noise(bench: Any, rate: float, fitted: int) -> None:
     """3 mrad of 15 deg/h: a wave of 0.03 deg/h where the table turns by half a circle and more."""
-    record = record_of(bench, 0.0)
-    one = drawn_readings(run_of(rate, 600.0), record, np.random.default_rng(3))
+    one = run_of(rate, 600.0).drawn(bench.record(), np.random.default_rng(3))
     tipped = replace(one, raw=one.raw + 0.003 * one.facts.scale_factor[:, None] * one.motion[1])
     plain, found = (longest_stretch(derive_from([each]), 0) for each in (one, tipped))
     assert plain is not None
