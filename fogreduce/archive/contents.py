@@ -24,16 +24,9 @@ from fogreduce.archive.names import faults_of_names, plain_files
 from fogreduce.archive.software import source_files
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.patterns import NAME_PATTERN
+from fogreduce.provenance.manifest_file import MANIFEST
 from fogreduce.provenance.outputs import result_files
-from fogreduce.provenance.records import (
-    MANIFEST,
-    OUTPUTS,
-    HashedFile,
-    Manifest,
-    Outputs,
-    read_manifest,
-    read_outputs,
-)
+from fogreduce.provenance.records import OUTPUTS, HashedFile, Manifest, Outputs, read_manifest, read_outputs
 from fogreduce.provenance.versions import kept_versions, same
 
 #: Where the workflow keeps the captures that it made, in the folder of the results.

@@ -22,7 +22,8 @@ from fogreduce.archive.write import RECORD
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
-from fogreduce.provenance.records import MANIFEST, read_manifest
+from fogreduce.provenance.manifest_file import MANIFEST
+from fogreduce.provenance.records import read_manifest
 
 ARCHIVED = "archived"
 _CHUNK = 1 << 20

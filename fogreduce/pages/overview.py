@@ -16,7 +16,8 @@ from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.errors import BadInput
 from fogreduce.pages.attention import attention
 from fogreduce.physics.raw_quantity import unit_of_capture
-from fogreduce.provenance.records import read_manifest, read_record
+from fogreduce.provenance.manifest_file import MANIFEST, read_record
+from fogreduce.provenance.records import read_manifest
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 OVERVIEW = "reports/overview.json"
@@ -87,8 +88,8 @@ def kept_overview(folder: Path) -> dict[str, Any]:
     """The overview that the run's page wrote, where it is of the manifest's version; else anew."""
     try:
         kept = json.loads((folder / OVERVIEW).read_bytes())
-        version = json.loads((folder / "manifest.json").read_bytes())["version_id"]
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        version = read_record(folder / MANIFEST, "the run's manifest").get("version_id")
+    except (OSError, ValueError, RecursionError, BadInput):
         return overview(folder)
     same = isinstance(kept, dict) and (kept.get("schema"), kept.get("version_id")) == (SCHEMA, version)
     if same and (folder / "tables" / "drift.csv").is_file():
@@ -111,7 +112,7 @@ def _same_version(path: Path, found: object, version: str) -> None:
 
 
 def _label(folder: Path) -> str:
-    return str(read_record(folder / "manifest.json", "the run's manifest").get("label") or "")
+    return str(read_record(folder / MANIFEST, "the run's manifest").get("label") or "")
 
 
 def axis_text(axis: Any) -> str:

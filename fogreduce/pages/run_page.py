@@ -18,7 +18,8 @@ from fogreduce.pages.rate_difference import rate_difference
 from fogreduce.pages.render import Crumb, page
 from fogreduce.pages.verdict import combined, verdict
 from fogreduce.physics.raw_quantity import unit_of_capture
-from fogreduce.provenance.records import Manifest, read_manifest, read_record
+from fogreduce.provenance.manifest_file import read_record
+from fogreduce.provenance.records import Manifest, read_manifest
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.

@@ -12,7 +12,8 @@ from fogreduce.provenance.cell import error_columns, read_table, row_names, stan
 from fogreduce.provenance.compare import distance_of, manifest_differences
 from fogreduce.provenance.digest import file_digest
 from fogreduce.provenance.machine import differences
-from fogreduce.provenance.records import MANIFEST, Outputs, read_manifest, read_outputs
+from fogreduce.provenance.manifest_file import MANIFEST
+from fogreduce.provenance.records import Outputs, read_manifest, read_outputs
 from fogreduce.provenance.versions import Version, kept_versions, same
 
 _IDENTITY = "version_id"

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
 from fogreduce.constants import MANIFEST_SCHEMA
-from fogreduce.errors import BadInput
 from fogreduce.metadata.base import Model, Name
 from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.patterns import CALIBRATION_PATTERN, SHA256_PATTERN, VERSION_PATTERN
-from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest
+from fogreduce.provenance.manifest_file import MANIFEST, check_version_id, read_record
 
-MANIFEST = "manifest.json"
 OUTPUTS = "outputs.json"
 OUTPUTS_SCHEMA = "fogreduce/outputs/1"
-
-#: A record is small; what is larger is not one.
-LARGEST_RECORD_BYTES = 64 << 20
 
 Sha256 = Annotated[str, Field(pattern=SHA256_PATTERN)]
 VersionId = Annotated[str, Field(pattern=VERSION_PATTERN)]
@@ -89,47 +83,10 @@ class Manifest(_Open):
     assumed: Annotated[list[AssumedValue], Field(strict=False)] = Field(default_factory=list)
 
 
-def parse_json(raw: bytes, file: object) -> dict[str, Any]:
-    """A JSON object out of a file's bytes; BadInput otherwise."""
-    expected = "a JSON object"
-    if len(raw) > LARGEST_RECORD_BYTES:
-        raise BadInput.at(file, "", found=f"{len(raw)} bytes", expected=f"at most {LARGEST_RECORD_BYTES}")
-    try:
-        data = json.loads(raw, parse_constant=_not_a_number)
-    except RecursionError:
-        raise BadInput.at(file, "", found="nesting without end", expected=expected) from None
-    except ValueError as error:
-        raise BadInput.at(file, "", found=str(error), expected=expected) from None
-    if not isinstance(data, dict):
-        raise BadInput.at(file, "", found=type(data).__name__, expected=expected)
-    return data
-
-
-def _not_a_number(text: str) -> None:
-    raise ValueError(f"{text}, which JSON does not have")
-
-
-def read_record(path: Path, expected: str) -> dict[str, Any]:
-    """A JSON object from a small file; BadInput where there is none."""
-    try:
-        if (size := path.stat().st_size) > LARGEST_RECORD_BYTES:
-            raise BadInput.at(path, "", found=f"{size} bytes", expected=f"at most {LARGEST_RECORD_BYTES}")
-        return parse_json(path.read_bytes(), path)
-    except FileNotFoundError:
-        raise BadInput.at(path, "", found="no such file", expected=expected) from None
-    except OSError as error:
-        raise BadInput.at(path, "", found=error.strerror, expected=expected) from None
-
-
 def manifest_of(data: dict[str, Any], file: object) -> Manifest:
     """The manifest, its version id held against its content."""
     manifest = Manifest.from_data(data, str(file))
-    body = {key: value for key, value in data.items() if key != "version_id"}
-    derived = data_digest(body)[:VERSION_ID_DIGITS]
-    if manifest.version_id != derived:
-        raise BadInput.at(
-            file, "version_id", found=manifest.version_id, expected=f"{derived}, derived from what it says"
-        )
+    check_version_id(data, file)
     return manifest
 
 

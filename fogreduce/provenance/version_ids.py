@@ -7,7 +7,7 @@ import io
 from pathlib import Path
 
 from fogreduce.errors import BadInput
-from fogreduce.provenance.records import parse_json
+from fogreduce.provenance.manifest_file import parse_json
 
 
 def ids_of_result(folder: Path, name: str) -> set[str]:

@@ -13,7 +13,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from fogreduce.errors import Fault
-from fogreduce.provenance.records import MANIFEST, OUTPUTS
+from fogreduce.provenance.manifest_file import MANIFEST
+from fogreduce.provenance.records import OUTPUTS
 
 #: Clocks of two machines that share a disk may differ by as much.
 TOLERANCE_S = 5.0

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest, file_digest
-from fogreduce.provenance.records import MANIFEST, OUTPUTS
+from fogreduce.provenance.manifest_file import MANIFEST
+from fogreduce.provenance.records import OUTPUTS
 from fogreduce.provenance.stages import STAGES
 
 _GONE = "gone"

@@ -6,12 +6,12 @@ made again by their own commands. Datasets, reports and tables are written over;
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from fogreduce.errors import BadInput
+from fogreduce.provenance.manifest_file import MANIFEST, read_record
 
 _FIGURES = "figures/index.json"
 #: What is made of a finished reduction, the checksums first: without them nothing is archived.
@@ -20,7 +20,7 @@ _MADE_OF_IT = ("outputs.json", "index.html", "reports/overview.json")
 
 def refuse_another_run(folder: Path, manifest: Mapping[str, Any]) -> None:
     """BadInput where a folder holds the results of another run than the manifest's."""
-    there, here = _run_of(_read(folder / "manifest.json")), _run_of(manifest)
+    there, here = _run_of(_read(folder / MANIFEST)), _run_of(manifest)
     if there is not None and there != here:
         expected = f"an empty folder, or results of {here}"
         raise BadInput.at(folder, "", found=f"results of {there}", expected=expected)
@@ -28,7 +28,7 @@ def refuse_another_run(folder: Path, manifest: Mapping[str, Any]) -> None:
 
 def remove_outdated(folder: Path, version_id: str) -> None:
     """Remove what is made of a finished reduction, unless the folder's manifest is of this version."""
-    if _read(folder / "manifest.json").get("version_id") == version_id:
+    if _read(folder / MANIFEST).get("version_id") == version_id:
         return
     for name in _MADE_OF_IT:
         (folder / name).unlink(missing_ok=True)
@@ -50,7 +50,6 @@ def _run_of(manifest: Mapping[str, Any]) -> str | None:
 def _read(path: Path) -> dict[str, Any]:
     """A JSON object; an empty one where there is none, or none that can be read."""
     try:
-        data = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
+        return read_record(path, "a JSON object")
+    except BadInput:
         return {}
-    return data if isinstance(data, dict) else {}

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fogreduce.errors import BadInput
-from fogreduce.provenance.records import MANIFEST
+from fogreduce.provenance.manifest_file import MANIFEST
 
 #: In a folder of results: records whose file is no more what results were reduced with, with these results.
 REWRITTEN = "_rewritten.json"

@@ -8,11 +8,12 @@ from pathlib import Path
 
 from fogreduce.datasets.sole_writer import sole_writer
 from fogreduce.progress import progress
+from fogreduce.provenance.manifest_file import MANIFEST
 from fogreduce.reruns.outdated import refuse_another_run, remove_outdated
 from fogreduce.reruns.uses import refuse_rewritten
 from fogreduce.stages.files import write_json
 from fogreduce.stages.run import reduce_run
-from fogreduce.stages.setup import MANIFEST, Setup
+from fogreduce.stages.setup import Setup
 
 
 def reduce_into(setup: Setup, run_dir: Path, calibrations: Path) -> None:

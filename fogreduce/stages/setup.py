@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fogreduce
-from fogreduce.constants import MANIFEST_SCHEMA, MICROSECONDS_PER_SECOND
+from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.logs import TableLog
 from fogreduce.datasets.run_logs import table_log_of
 from fogreduce.datasets.store import Storage
@@ -23,9 +22,7 @@ from fogreduce.estimate.uncertainty import StatedErrors
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.physics.frames import AXES
 from fogreduce.physics.redundancy import projection
-from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest
-
-MANIFEST = "manifest.json"
+from fogreduce.provenance.manifest_file import read_manifest_data
 
 Array = NDArray[np.float64]
 
@@ -48,26 +45,7 @@ class Setup:
     @classmethod
     def read(cls, out: Path) -> Setup:
         """From the manifest in a results folder."""
-        path = out / MANIFEST
-        try:
-            manifest = json.loads(path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            raise BadInput.at(path, "", found="no such file", expected="the run's manifest") from None
-        except (OSError, ValueError, RecursionError) as error:
-            found = getattr(error, "strerror", None) or str(error)
-            raise BadInput.at(path, "", found=found, expected="the run's manifest") from None
-        schema = manifest.get("schema") if isinstance(manifest, dict) else type(manifest).__name__
-        if schema != MANIFEST_SCHEMA:
-            raise BadInput.at(path, "schema", found=schema, expected=MANIFEST_SCHEMA)
-        body = {key: value for key, value in manifest.items() if key != "version_id"}
-        try:
-            derived = data_digest(body)[:VERSION_ID_DIGITS]
-        except ValueError:  # NaN or infinity, which no manifest has
-            derived = ""
-        if (stated := manifest.get("version_id")) != derived:
-            expected = f"{derived or 'another'}, derived from what the manifest says"
-            raise BadInput.at(path, "version_id", found=stated, expected=expected)
-        return cls(manifest, out)
+        return cls(read_manifest_data(out), out)
 
     @cached_property
     def facts(self) -> RunFacts:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from typing import TextIO
 
 from fogreduce.datasets.atomic import whole_file
 from fogreduce.errors import BadInput
+from fogreduce.provenance.manifest_file import MANIFEST, read_record
 
 #: Table of a run -> table of all runs.
 GATHERED = {"drift": "drift_all", "rate_fit": "rates_all", "rates": "commanded_all"}
@@ -119,14 +119,7 @@ def _table(folder: Path, name: str) -> Path:
 
 
 def _manifest(folder: Path) -> dict[str, object]:
-    path = folder / "manifest.json"
-    try:
-        data = json.loads(path.read_bytes())
-    except FileNotFoundError:
-        raise BadInput.at(path, "", found="no such file", expected="the run's manifest") from None
-    except ValueError as error:
-        raise BadInput.at(path, "", found=str(error), expected="the run's manifest") from None
-    return data if isinstance(data, dict) else {}
+    return read_record(folder / MANIFEST, "the run's manifest")
 
 
 def _label(folder: Path) -> str:

@@ -9,7 +9,8 @@ from fogreduce.errors import BadInput
 from fogreduce.provenance.cell import Cell, CellName, find_cell
 from fogreduce.provenance.code import code_digest, digest_of
 from fogreduce.provenance.digest import file_digest
-from fogreduce.provenance.records import MANIFEST, HashedFile, Outputs, read_outputs
+from fogreduce.provenance.manifest_file import MANIFEST
+from fogreduce.provenance.records import HashedFile, Outputs, read_outputs
 from fogreduce.provenance.stages import STAGES, stages_of
 from fogreduce.trace.places import RunPlace
 

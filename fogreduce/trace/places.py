@@ -10,7 +10,8 @@ from fogreduce.archive.schema import ArchiveRecord
 from fogreduce.archive.verify import listed
 from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput
-from fogreduce.provenance.records import MANIFEST, Manifest, read_manifest, read_record
+from fogreduce.provenance.manifest_file import MANIFEST, read_record
+from fogreduce.provenance.records import Manifest, read_manifest
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,9 @@ def test_the_archive_is_no_part_of_the_code_that_numbers_come_from():
     parts = reduction_parts()
     assert [part for part in parts if part.partition("/")[0] in ("archive", "reruns", "trace")] == []
     inside = [part for part in parts if part.startswith("provenance")]
-    assert inside == [f"provenance/{name}.py" for name in ("__init__", "code", "digest", "manifest")]
+    assert inside == [
+        f"provenance/{name}.py" for name in ("__init__", "code", "digest", "manifest", "manifest_file")
+    ]
 
 
 @pytest.mark.parametrize(
