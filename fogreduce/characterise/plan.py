@@ -28,6 +28,7 @@ from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.run import Run
+from fogreduce.physics.noise import white_sigma
 
 Array = NDArray[np.float64]
 
@@ -135,7 +136,7 @@ def drawn_readings(run: Run, record: CalibrationRecord, generator: np.random.Gen
     motion = axis_rates(facts, time_s)
     long = (run.notes or "").startswith(_COLD)
     warm = _RISE_DEGC * (1 - np.exp(-time_s / _RISE_S))
-    white = np.array(noise.angle_random_walk_deg_sqrt_h) / 60 / np.sqrt(bin_s)  # deg/s of a bin
+    white = white_sigma(np.array(noise.angle_random_walk_deg_sqrt_h), 1.0 / bin_s)  # deg/s of a bin
     planned = Readings(
         run=run,
         record=record,

@@ -7,14 +7,13 @@ It includes noise only, not the stated uncertainties of calibration and site.
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.estimate.allan_variance import Series, overlapping
-from fogreduce.physics.noise import LOWEST_FLICKER_HZ, flicker_allan
+from fogreduce.physics.noise import flicker_allan, flicker_covariance
 
 Array = NDArray[np.float64]
 
@@ -36,7 +35,13 @@ class ColouredNoise:
 
     def allan_variance(self, tau_s: Array) -> Array:
         """Allan variance at averaging times [s]."""
-        return self.white / tau_s + FLICKER_FLAT * self.flicker + self.walk * tau_s / 3
+        white, flicker, walk = unit_allan_variances(tau_s)
+        return self.white * white + self.flicker * flicker + self.walk * walk
+
+
+def unit_allan_variances(tau_s: Array) -> Array:
+    """(3, k): of white noise, flicker and walk whose coefficients are 1, at averaging times (k,) [s]."""
+    return np.array([1 / tau_s, np.full_like(tau_s, FLICKER_FLAT), tau_s / 3])
 
 
 def allan_variance(values: Array, period_s: float) -> tuple[Array, Array, Array]:
@@ -65,7 +70,7 @@ def allan_variance(values: Array, period_s: float) -> tuple[Array, Array, Array]
 
 def fit_noise(tau_s: Array, variance: Array, freedom: Array) -> ColouredNoise:
     """White, flicker and walk that describe an Allan variance: weighted least squares, none negative."""
-    columns = np.array([1 / tau_s, np.full_like(tau_s, FLICKER_FLAT), tau_s / 3]).T
+    columns = unit_allan_variances(tau_s).T
     # Below this part of the largest, a variance is rounding: it must not outweigh the others.
     floor = _ROUNDING * float(variance.max(initial=0.0))
     if floor == 0:
@@ -118,7 +123,7 @@ def unit_forms(rows: Array, period_s: float) -> Array:
     return np.array(
         [
             rows @ rows.T / period_s,
-            _flicker_form(rows, period_s),
+            _stationary_form(rows, flicker_covariance(1.0, period_s, rows.shape[1])),
             period_s * (later @ later.T),
         ]
     )
@@ -146,16 +151,6 @@ def correlated_covariance(rows: Array, variance: float, time_s: float, period_s:
     """
     lag = np.arange(rows.shape[1]) * period_s
     return variance * _stationary_form(rows, np.exp(-lag / time_s))
-
-
-def _flicker_form(columns: Array, period_s: float) -> Array:
-    """``Z C Z'`` for flicker of B = 1, as a sum of first-order processes two to the octave."""
-    lag = np.arange(columns.shape[1]) * period_s
-    step = math.log(2) / 2
-    corners = np.exp(np.arange(math.log(LOWEST_FLICKER_HZ), math.log(0.5 / period_s), step))
-    return _stationary_form(
-        columns, sum(step / math.pi * np.exp(-2 * math.pi * corner * lag) for corner in corners)
-    )
 
 
 def _stationary_form(columns: Array, covariance: Array) -> Array:

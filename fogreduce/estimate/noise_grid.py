@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.estimate.coloured import unit_forms
+from fogreduce.physics.noise import flicker_density
 
 Array = NDArray[np.float64]
 
@@ -185,8 +186,8 @@ class _Bands:
         mode = np.arange(first, m)
         counts = np.diff(edges).astype(np.float64)
         frequency = mode / (2.0 * m * period_s)
-        # a bin's mean has the spectrum 1 / (pi f) times sinc^2; one-sided density over twice the period
-        flicker = np.sinc(frequency * period_s) ** 2 / (2.0 * np.pi * frequency * period_s)
+        # a bin's mean has flicker's spectrum times sinc^2; one-sided density over twice the period
+        flicker = np.sinc(frequency * period_s) ** 2 * flicker_density(1.0, frequency) / (2.0 * period_s)
         # the cosine transform makes a walk's differences, and so the walk, diagonal
         walk = period_s / (4.0 * np.sin(np.pi * mode / (2 * m)) ** 2)
         # that transform is that of the residual and its mirror image

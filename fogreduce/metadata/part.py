@@ -7,7 +7,7 @@ show. What the record states stands.
 from __future__ import annotations
 
 import os
-from math import log, pi, sqrt
+from math import pi
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -17,6 +17,7 @@ from fogreduce.errors import BadInput
 from fogreduce.metadata.assumed import Assumed
 from fogreduce.metadata.base import Model
 from fogreduce.metadata.calibration import CalibrationRecord, Noise
+from fogreduce.physics.noise import flicker_allan
 
 #: Parts that come with the package, by name.
 BUNDLED = {path.stem: path for path in sorted((Path(__file__).parent / "parts").glob("*.yaml"))}
@@ -24,7 +25,7 @@ BUNDLED = {path.stem: path for path in sorted((Path(__file__).parent / "parts").
 #: A maximum of a data sheet is taken as so many standard deviations: what nearly every unit keeps.
 MAXIMUM_SIGMAS = 3.0
 #: The flat of the Allan deviation over the coefficient B of flicker (IEEE Std 952, annex C).
-ALLAN_FLAT = sqrt(2.0 * log(2.0) / pi)
+ALLAN_FLAT = flicker_allan(1.0)
 #: Sizes that units of a class show: from and to so many of the sheet's standard deviations.
 _SHOWN = (0.1, 3.0)
 

@@ -61,9 +61,10 @@ def white_allan(n_deg_sqrt_h: float, tau_s: Array) -> Array:
 # ------------------------------------------------------------------------------------- random walk
 
 
-def walk_density(k_deg_h_sqrt_h: float, frequency_hz: Array) -> Array:
+def walk_density(k_deg_h_sqrt_h: float | Array, frequency_hz: Array) -> Array:
     """One-sided density [(deg/h)^2/Hz] of a rate random walk: ``2 (K / 60)^2 / (2 pi f)^2``."""
-    return 2.0 * (k_deg_h_sqrt_h / 60.0) ** 2 / (2.0 * np.pi * frequency_hz) ** 2
+    density: Array = 2.0 * (k_deg_h_sqrt_h / 60.0) ** 2 / (2.0 * np.pi * frequency_hz) ** 2
+    return density
 
 
 def walk_allan(k_deg_h_sqrt_h: float, tau_s: Array) -> Array:
@@ -95,9 +96,10 @@ class WalkSource:
 # ------------------------------------------------------------------------------------------ flicker
 
 
-def flicker_density(b_deg_h: float, frequency_hz: Array) -> Array:
+def flicker_density(b_deg_h: float | Array, frequency_hz: Array) -> Array:
     """One-sided density [(deg/h)^2/Hz] of flicker as it is defined: ``B^2 / (pi f)``."""
-    return b_deg_h**2 / (np.pi * frequency_hz)
+    density: Array = b_deg_h**2 / (np.pi * frequency_hz)
+    return density
 
 
 def flicker_allan(b_deg_h: float) -> float:

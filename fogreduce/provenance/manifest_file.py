@@ -20,9 +20,8 @@ MANIFEST = "manifest.json"
 LARGEST_RECORD_BYTES = 64 << 20
 
 
-def parse_json(raw: bytes, file: object) -> dict[str, Any]:
+def parse_json(raw: bytes, file: object, expected: str = "a JSON object") -> dict[str, Any]:
     """A JSON object out of a file's bytes; BadInput otherwise."""
-    expected = "a JSON object"
     if len(raw) > LARGEST_RECORD_BYTES:
         raise BadInput.at(file, "", found=f"{len(raw)} bytes", expected=f"at most {LARGEST_RECORD_BYTES}")
     try:
@@ -45,7 +44,7 @@ def read_record(path: Path, expected: str) -> dict[str, Any]:
     try:
         if (size := path.stat().st_size) > LARGEST_RECORD_BYTES:
             raise BadInput.at(path, "", found=f"{size} bytes", expected=f"at most {LARGEST_RECORD_BYTES}")
-        return parse_json(path.read_bytes(), path)
+        return parse_json(path.read_bytes(), path, expected)
     except FileNotFoundError:
         raise BadInput.at(path, "", found="no such file", expected=expected) from None
     except OSError as error:

@@ -118,7 +118,7 @@ def noise_covariance(weights: Array, levels: Sequence[NoiseLevels]) -> dict[str,
     spread = np.einsum("xik,ij->xjk", weights, np.array(white))
     lags = np.abs(np.subtract.outer(np.arange(STEPS), np.arange(STEPS)))
     unit_flicker = _flicker_lags()[lags] / SECONDS_PER_HOUR**2
-    unit_walk = np.minimum.outer(middles, middles) / 3600.0 / SECONDS_PER_HOUR**2
+    unit_walk = np.minimum.outer(middles, middles) / SECONDS_PER_HOUR / SECONDS_PER_HOUR**2
     flicker = [level.flicker_deg_h**2 + sum(b**2 for b, _ in level.further_flicker) for level in levels]
     walk = [level.walk_deg_h_sqrt_h**2 + sum(k**2 for k, _ in level.further_walk) for level in levels]
     return {

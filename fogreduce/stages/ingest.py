@@ -23,6 +23,7 @@ from fogreduce.estimate.outliers import CONTEXT, OutlierSearch
 from fogreduce.estimate.sample_interval import sample_interval_s
 from fogreduce.estimate.sequence import SequenceCheck
 from fogreduce.metadata.facts import RunFacts
+from fogreduce.physics.noise import white_sigma
 from fogreduce.physics.quantization import raw_from_counts
 from fogreduce.physics.raw_quantity import rate_from_increment
 from fogreduce.plausibility.epoch import epoch_in_words
@@ -170,7 +171,7 @@ class Ingest:
         quantum = self.facts.least_count
         floor = np.full(self.facts.n_gyros, quantum)
         if self.facts.white_noise is not None:
-            stated = self.facts.white_noise / 60 * np.sqrt(self.facts.sample_rate_hz)
+            stated = white_sigma(self.facts.white_noise, self.facts.sample_rate_hz)
             floor = np.maximum(floor, _FLOOR * stated * np.abs(self.facts.scale_factor))
         return floor / quantum if has_counts else floor
 

@@ -131,7 +131,7 @@ STAGES = [
     Case(
         "manifest: a list",
         _manifest("[]"),
-        "$out/manifest.json: schema: found list; expected fogreduce/manifest/1",
+        "$out/manifest.json: found list; expected the run's manifest",
     ),
     Case(
         "manifest: of something else",

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.observe.full_rate import PIECE, straightened
 from fogreduce.effects.at import At, Place
 from fogreduce.effects.electronics import low_pass
+from fogreduce.physics.noise import flicker_density, walk_density
 from fogreduce.simulate.streams import stream
 
 Array = NDArray[np.float64]
@@ -25,11 +25,7 @@ FINE = 2048  # frequencies at which a spectrum is taken: longer than a filter's 
 
 def drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0.0) -> Array:
     """One-sided density [(deg/h)^2/Hz] of flicker of B [deg/h] and a walk of K [deg/h/sqrt(h)]."""
-    turning = 2.0 * np.pi * hertz
-    result: Array = 2.0 * np.square(flicker) / turning + 2.0 * np.square(walk) / (
-        SECONDS_PER_HOUR * turning**2
-    )
-    return result
+    return flicker_density(flicker, hertz) + walk_density(walk, hertz)
 
 
 def filter_gain(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
