@@ -8,6 +8,7 @@
 ``results/<campaign>/index.html``            its page, where there is one
 ``results/<campaign>/_diagnosis/``           its diagnosis, where there is one
 ``results/<campaign>/_calibration/``         a calibration derived from it, where there is one
+``results/<campaign>/_report/``              the test report of its unit, where there is one
 ``results/_selftest/``                       published numbers as the software computes them, if it was asked
 ``software/``                                the package's source, its rules, the lock of its environment
 ============================================ ===========================================================
@@ -31,8 +32,8 @@ from fogreduce.provenance.versions import kept_versions, same
 
 #: Where the workflow keeps the captures that it made, in the folder of the results.
 MADE = "_captures"
-#: Folders beside a campaign's runs: its diagnosis, a calibration derived from it.
-OF_CAMPAIGN = ("_diagnosis", "_calibration")
+#: Folders beside a campaign's runs: its diagnosis, a calibration derived from it, its unit's test report.
+OF_CAMPAIGN = ("_diagnosis", "_calibration", "_report")
 #: Folder beside the campaigns: the software's own examination (`fogreduce selftest`).
 SELFTEST = "_selftest"
 #: The page of a campaign, beside its runs.

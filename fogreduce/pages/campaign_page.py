@@ -94,8 +94,9 @@ def _whole(gathered: Gathered, verdicts: Sequence[Verdict | None]) -> Verdict:
     text = f"of {count(len(verdicts))} runs {count(flagged)} flagged, {count(len(gathered.failed))} failed"
     if gathered.left_out:
         text += f", {count(len(gathered.left_out))} left out"
-    good = not (flagged or gathered.failed or gathered.left_out)
-    return Verdict(GOOD if good else FLAGGED, text, [])
+    if gathered.failed or gathered.left_out:
+        return Verdict(FAILED, text, [])
+    return Verdict(FLAGGED if flagged else GOOD, text, [])
 
 
 def _one_label(reduced: Sequence[Entry]) -> str:
@@ -170,7 +171,8 @@ def _row(place: int, entry: Entry, said: Verdict | None, columns: Sequence[dict[
         why = f"{entry.stage}: {entry.reason}" if entry.stage else entry.reason
         cells: list[Cell] = [{"value": "", "text": ""} for _ in columns]
     else:
-        state, table = said.state, f"{table_text(overview)}, {duration(overview['duration_s'])}"
+        length = duration(overview["duration_s"]).replace(" ", "\N{NO-BREAK SPACE}")
+        state, table = said.state, f"{table_text(overview)}, {length}"
         noted = flags_text(overview["flagged"])
         why = said.text if said.state == FLAGGED else noted
         cells = [_cell(overview, column) for column in columns]

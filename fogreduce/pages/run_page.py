@@ -172,7 +172,7 @@ def table_text(overview: Mapping[str, Any]) -> str:
     """What the table did: ``x: 10, 0 deg/s``."""
     rates = overview["rates_deg_s"]
     shown = [f"{rate:g}" for rate in rates[:6]] + (["..."] if len(rates) > 6 else [])
-    return f"{overview['axis']}: {', '.join(shown)} deg/s".replace("-", "−")
+    return f"{overview['axis']}: {', '.join(shown)}\N{NO-BREAK SPACE}deg/s".replace("-", "−")
 
 
 def _drift_rows(rows: list[Row], rates: list[Row]) -> list[dict[str, Any]]:

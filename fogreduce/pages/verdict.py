@@ -16,7 +16,7 @@ GOOD, FLAGGED, FAILED = "good", "flagged", "failed"
 
 @dataclass(frozen=True)
 class Verdict:
-    """`state`: good or flagged; `text`: why; `reasons`: all of them, ``kind`` and ``text`` of each."""
+    """`state`: good, flagged or failed; `text`: why; `reasons`: each with its ``kind`` and ``text``."""
 
     state: str
     text: str

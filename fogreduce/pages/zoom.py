@@ -80,16 +80,14 @@ def runs(names: Sequence[str], dates: Sequence[str], panels: Sequence[Panel]) ->
 
 def _panel(panel: Panel) -> dict[str, Any]:
     digits = _decimals_of(panel.values)
-    ends = [None if value is None else panel.ends(k, value) for k, value in enumerate(panel.values)]
-    bars = any(pair is not None for pair in ends)
-    low, high = (rounded([pair and pair[side] for pair in ends], digits) for side in (0, 1))
     limits = [rounded([pair[side] for pair in panel.limits or ()], digits) for side in (0, 1)]
     return {
         "name": f"{panel.name} [{panel.unit}]",
         "values": rounded(panel.values, digits),
-        "low": low if bars else None,
-        "high": high if bars else None,
-        "bars": bars,
+        "errors": rounded(panel.errors, digits) if panel.errors else None,
+        "low": rounded(panel.lows, digits) if panel.lows else None,
+        "high": rounded(panel.highs, digits) if panel.highs else None,
+        "bars": bool(panel.errors or panel.lows),
         "limits": limits if panel.limits else None,
         "level": panel.centre,
         "out": sorted(panel.out),

@@ -123,20 +123,21 @@ def test_a_source_that_is_not_whole_is_refused(archived, tmp_path, name):
     assert f"no {name}" in err
 
 
-def test_a_diagnosis_and_its_pages_are_archived(archived, tmp_path):
+@pytest.mark.parametrize("of_campaign", ["_diagnosis", "_report"])
+def test_what_was_made_of_the_campaign_is_archived_with_its_pages(archived, tmp_path, of_campaign):
     results = tmp_path / "results"
     shutil.copytree(archived.results, results)
-    diagnosis = results / CAMPAIGN / "_diagnosis"
-    diagnosis.mkdir()
-    (diagnosis / "figures").mkdir()
-    for name in ("diagnosis.json", "index.html", "figures/where.svg", "diagnose.log"):
-        (diagnosis / name).write_text(f"{name}\n")
+    made = results / CAMPAIGN / of_campaign
+    made.mkdir()
+    (made / "figures").mkdir()
+    for name in ("made.json", "index.html", "figures/where.svg", "made.log"):
+        (made / name).write_text(f"{name}\n")
     arguments = [results if a == archived.results else a for a in archived.arguments(tmp_path / "bags")]
     succeed(*arguments)
     bag = tmp_path / "bags" / CAMPAIGN
-    kept = bag / "data/results" / CAMPAIGN / "_diagnosis"
+    kept = bag / "data/results" / CAMPAIGN / of_campaign
     names = {path.relative_to(kept).as_posix() for path in files(kept)}
-    assert names == {"diagnosis.json", "index.html", "figures/where.svg"}
+    assert names == {"made.json", "index.html", "figures/where.svg"}
     succeed("verify", bag)
 
 

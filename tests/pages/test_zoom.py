@@ -50,7 +50,7 @@ def test_names_in_the_data_end_no_script() -> None:
     assert not set("<>&") & set(text)
     found = json.loads(text)
     assert found["names"] == ["</script><b>", "&amp;"]
-    assert found["panels"][0]["low"] == [0.5, None]
+    assert found["panels"][0]["errors"] == [0.5, None]
     assert found["panels"][0]["limits"] == [[0, 0], [2, 2]]
     assert found["panels"][0]["out"] == [0]
 

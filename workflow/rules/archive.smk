@@ -39,6 +39,11 @@ rule bag:
             if wildcards.campaign in DERIVED
             else []
         ),
+        lambda wildcards: (
+            [f"{RESULTS}/{wildcards.campaign}/_report/report.json"]
+            if wildcards.campaign in REPORTED
+            else []
+        ),
         f"{RESULTS}/{{campaign}}/index.html" if CONFIG.pages.enabled else [],
     output:
         # Not the bag's folder, into which Snakemake would put a file of its own, but its digest and its name.

@@ -37,6 +37,11 @@ rule campaign_page:
             if wildcards.campaign in DERIVED
             else []
         ),
+        report=lambda wildcards: (
+            [f"{RESULTS}/{wildcards.campaign}/_report/index.html"]
+            if wildcards.campaign in REPORTED
+            else []
+        ),
     output:
         f"{RESULTS}/{{campaign}}/index.html",
     log:

@@ -56,6 +56,11 @@
   }
 
   function draw(data, panel, place, key, all) {
+    if (panel.errors) { // of symmetrical bars: their ends
+      const end = (sign) => (value, i) => (value === null || panel.errors[i] === null ? null : value + sign * panel.errors[i]);
+      panel.low = panel.values.map(end(-1));
+      panel.high = panel.values.map(end(1));
+    }
     const runs = data.kind === "runs";
     const x = runs ? data.names.map((_, i) => i) : data.x, last = x.length - 1;
     const whole = runs ? [-0.5, last + 0.5] : [x[0], x[last]];
