@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
+import numpy as np
+
 import fogreduce
 from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.derive import Derivation
@@ -40,6 +42,8 @@ class Facts:
         Of the solution.
     procedure : str
         How it was calibrated, in words.
+    temperature : str
+        What is known of the temperature in the runs, in words.
     """
 
     record: CalibrationRecord
@@ -55,6 +59,7 @@ class Facts:
     freedom: float
     p_value: float
     procedure: str
+    temperature: str
     software: str
 
 
@@ -106,5 +111,17 @@ def certificate_facts(
             "table rate solved for within their stated uncertainties; turn-on scatter between runs estimated "
             "apart from noise within runs."
         ),
+        temperature=_temperature(derivation),
         software=f"fogreduce {fogreduce.__version__}",
+    )
+
+
+def _temperature(derivation: Derivation) -> str:
+    changes = [one.temperature for one in derivation.readings if one.temperature is not None]
+    if not changes:
+        return "not logged"
+    most = max(float(np.abs(change).max()) for change in changes)
+    return (
+        f"logged in {len(changes)} of {len(derivation.readings)} runs; the sensors' changed by up to "
+        f"{most:.1f} degC from a run's start"
     )

@@ -1,8 +1,9 @@
 """The certificate of a candidate record as a Digital Calibration Certificate (DCC 3.3.0, XML).
 
 Source: PTB, schema of the DCC, https://ptb.de/dcc/v3.3.0/dcc.xsd, with numbers and units as D-SI has them
-(https://ptb.de/si). A DCC wants a country and contacts: where campaign.yaml states none, `ZZ` (ISO 3166-1,
-user-assigned: unknown) and "not stated" stand. It is not signed and names no day of issue: a person does.
+(https://ptb.de/si). PTB's Schematron rules for DCCs are kept too, but one: a DCC wants a country and contacts,
+and where campaign.yaml states none, `ZZ` (ISO 3166-1, user-assigned: unknown, which those rules do not list)
+and "not stated" stand. It is not signed and names no day of issue: a person does.
 """
 
 from __future__ import annotations
@@ -76,14 +77,17 @@ def dcc(facts: Facts) -> ET.Element:
     _leaf(person, "mainSigner", "true")
     _contact(_add(data, "customer"), facts.about.customer)
     _statements(_add(data, "statements"), facts)
-    results = _add(root, "measurementResults")
-    method = _add(_add(results, "usedMethods"), "usedMethod")
+    result = _add(_add(root, "measurementResults"), "measurementResult")
+    _words(result, "name", f"coefficients of {facts.record.record_id}")
+    # Inside the result, where PTB's Schematron rules look for them; the schema would have them outside, too.
+    method = _add(_add(result, "usedMethods"), "usedMethod")
     _words(method, "name", "multi-position rate-table test, one weighted least-squares solution")
     _words(method, "description", facts.procedure)
-    _software(_add(results, "usedSoftware"), facts)
-    _equipment(results, facts)
-    result = _add(results, "measurementResult")
-    _words(result, "name", f"coefficients of {facts.record.record_id}")
+    _software(_add(result, "usedSoftware"), facts)
+    _equipment(result, facts)
+    condition = _add(_add(result, "influenceConditions"), "influenceCondition")
+    _words(condition, "name", "temperature")
+    _words(_add(condition, "data"), "text", facts.temperature)
     _results(_add(result, "results"), facts)
     return root
 
@@ -107,7 +111,7 @@ def _software(parent: ET.Element, facts: Facts) -> None:
     name, _, release = facts.software.partition(" ")
     software = _add(parent, "software")
     _words(software, "name", name)
-    _leaf(software, "release", release)
+    _leaf(software, "release", f"v{release}")  # those rules want a letter before the number
     _leaf(software, "type", "application")
     pedigree = facts.record.pedigree
     if pedigree is not None:

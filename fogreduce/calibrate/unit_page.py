@@ -20,6 +20,12 @@ TEMPLATE = "unit.html"
 #: Beyond so many standard deviations a change is marked: of some dozens chance makes one in a hundred pages.
 _CLEAR_SIGMA = 3.5
 _DAYS_PER_YEAR = 365.25
+_TITLES = {
+    "bias": "Bias",
+    "scale factor": "Scale factor",
+    "axis, first": "Input axis (first direction across it)",
+    "axis, second": "Input axis (second direction across it)",
+}
 
 
 def unit_page(unit: str, entries: Sequence[Entry], used: Mapping[str, Sequence[str]] | None = None) -> str:
@@ -88,7 +94,7 @@ def _charts(entries: Sequence[Entry], found: Sequence[Coefficients]) -> list[tup
             values = [float(start + value) for value in moved]
             panels.append(Panel(f"gyro{i + 1}", unit, values, errors=[float(one[i]) for one in stds[name]]))
         of = "" if name == "bias" else ", change since the first record"
-        label = f"{name[0].upper()}{name[1:]} of each gyro over its records{of} [{unit}]"
+        label = f"{_TITLES[name]} of each gyro over its records{of} [{unit}]"
         charts.append((label, points(panels, ticks, label, height=80.0)))
     return charts
 
@@ -98,6 +104,7 @@ def _aged(earlier: Entry, later: Entry, one: Coefficients, other: Coefficients) 
     years = (later.record.valid_from - earlier.record.valid_from).days / _DAYS_PER_YEAR
     rows = []
     for change in changes(one, other):
+        beyond = change.sigma > _CLEAR_SIGMA
         yearly = change.value / years if years > 0 else np.nan
         rows.append(
             {
@@ -105,8 +112,8 @@ def _aged(earlier: Entry, later: Entry, one: Coefficients, other: Coefficients) 
                 "of": f"{change.name} [{change.unit}]",
                 "change": plus_minus(change.value, change.std),
                 "sigma": f"{change.sigma:.1f}",
-                "clear": change.sigma > _CLEAR_SIGMA,
-                "yearly": number(yearly, 3) if change.sigma > _CLEAR_SIGMA else "",
+                "beyond": beyond,
+                "yearly": number(yearly, 3) if beyond else "",
             }
         )
     return {"earlier": earlier.record_id, "later": later.record_id, "years": number(years, 3), "rows": rows}

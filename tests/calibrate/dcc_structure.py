@@ -15,7 +15,8 @@ _PREFIX = {"https://ptb.de/dcc": "dcc", "https://ptb.de/si": "si"}
 _TEXT = "dcc:content+"
 _RICH = "dcc:name? (dcc:content|dcc:file|dcc:formula)*"
 _HASH = (
-    "dcc:referral dcc:referralID dcc:procedure dcc:value dcc:description? dcc:inValidityRange? dcc:traceable?"
+    "dcc:referral dcc:referralID dcc:procedure dcc:value dcc:description? dcc:inValidityRange? "
+    "dcc:traceable? dcc:linkedReport?"
 )
 _CONTACT = "dcc:name dcc:eMail? dcc:phone? dcc:fax? dcc:link? dcc:location dcc:descriptionData?"
 _IDENTIFICATIONS = "dcc:identification+"
@@ -69,6 +70,8 @@ CHILDREN = {
     "dcc:measuringEquipment": "dcc:name dcc:equipmentClass* dcc:description? dcc:certificate? "
     "dcc:manufacturer? dcc:model? dcc:identifications? dcc:measuringEquipmentQuantities? "
     "dcc:installedSoftware?",
+    "dcc:influenceConditions": "dcc:influenceCondition+",
+    "dcc:influenceCondition": "dcc:name dcc:description? dcc:status? dcc:certificate? dcc:data",
     "dcc:results": "dcc:result+",
     "dcc:result": "dcc:name dcc:description? dcc:data",
     "dcc:data": "(dcc:text|dcc:formula|dcc:byteData|dcc:xml|dcc:quantity|dcc:list)+",
@@ -77,7 +80,7 @@ CHILDREN = {
     + _RESULT_HEAD
     + " dcc:measurementMetaData?",
     **dict.fromkeys(("dcc:name", "dcc:referral"), _TEXT),
-    **dict.fromkeys(("dcc:description", "dcc:declaration", "dcc:further"), _RICH),
+    **dict.fromkeys(("dcc:description", "dcc:declaration", "dcc:further", "dcc:text"), _RICH),
     "si:realListXMLList": "si:labelXMLList? si:quantityTypeXMLList? si:valueXMLList si:unitXMLList "
     "si:significantDigitXMLList? si:dateTimeXMLList? "
     "(si:measurementUncertaintyUnivariateXMLList|si:expandedUncXMLList|si:coverageIntervalXMLList)? "
@@ -97,6 +100,8 @@ _NOT_EMPTY = r"[^\s]+(\s+[^\s]+)*"
 _DECIMAL = r"[-+]?((\d*\.\d+)|(\d+\.\d*)|(\d+\.?))([Ee][-+]?\d+)?"
 _NOT_NEGATIVE = _DECIMAL.replace("[-+]?", r"\+?", 1)
 _FACTOR = r"\+?(([1-9]\d*\.\d*)|([1-9]\d*))"
+#: PTB's Schematron rules for DCCs, which ask more than the schema: the release of software.
+_RELEASE = r"[a-zA-Z] ?(\d{1,3}\.){0,3}\d{1,3}"
 _PROBABILITY = r"\+?((0(\.\d*)?)|(1(\.0*)?))"
 _DATE = r"\d{4}-\d{2}-\d{2}"
 #: D-SI: names of units, each with an exponent where it is not 1.
@@ -117,13 +122,12 @@ TEXT = {
     "dcc:beginPerformanceDate": _DATE,
     "dcc:endPerformanceDate": _DATE,
     "dcc:performanceLocation": "laboratory|customer|laboratoryBranch|customerBranch|other",
+    "dcc:release": _RELEASE,
     "dcc:typeOfChange": "amended|substituted",
     "dcc:type": "application|bios|driver|editor|firmware|library|os|other",
     "dcc:issuer": "manufacturer|calibrationLaboratory|customer|owner|other",
     "dcc:mainSigner": "true|false|0|1",
-    **dict.fromkeys(
-        ("dcc:release", "dcc:uniqueIdentifier", "dcc:replacedUniqueIdentifier", "dcc:referralID"), _NOT_EMPTY
-    ),
+    **dict.fromkeys(("dcc:uniqueIdentifier", "dcc:replacedUniqueIdentifier", "dcc:referralID"), _NOT_EMPTY),
     **dict.fromkeys(("dcc:procedure", "dcc:value", "dcc:city", "dcc:street"), _NOT_EMPTY),
     "si:labelXMLList": _list(r"\S+"),
     "si:valueXMLList": _list(_DECIMAL),
@@ -144,11 +148,18 @@ ATTRIBUTES = {
 }
 
 
+#: What PTB's Schematron rules for DCCs want in a measurementResult with quantities; the schema does not.
+WANTED = ("dcc:usedMethods", "dcc:usedSoftware", "dcc:influenceConditions")
+
+
 def faults(root: ET.Element) -> list[str]:
     """Where a document departs from the structure."""
     if _name(root) != "dcc:digitalCalibrationCertificate":
         return [f"root {_name(root)}"]
-    return [fault for element in root.iter() for fault in _faults(element)]
+    found = [fault for element in root.iter() for fault in _faults(element)]
+    for result in (element for element in root.iter() if _name(element) == "dcc:measurementResult"):
+        found += [f"dcc:measurementResult: no {name}" for name in WANTED if name not in map(_name, result)]
+    return found
 
 
 def _faults(element: ET.Element) -> list[str]:

@@ -72,13 +72,18 @@ def test_the_structure_is_that_of_the_schema(certified, made, tmp_path) -> None:
     assert dcc_structure.faults(root) == []
     assert text(root, ".//dcc:coreData/dcc:countryCodeISO3166_1") == "ZZ"
     assert root.find(".//dcc:certificate", NS) is None
+    assert text(root, ".//dcc:influenceCondition/dcc:data/dcc:text/dcc:content").startswith(
+        "logged in 7 of 7"
+    )
 
 
 def test_what_the_check_of_structure_finds(certified) -> None:
     """An element out of order, one missing, one unknown, a number that is none, a unit that is none."""
     raw = ET.tostring(certified[1], encoding="unicode")
     for old, new in (
-        ("<dcc:release>0.1.0</dcc:release>", ""),
+        ("<dcc:release>v0.1.0</dcc:release>", ""),
+        ("<dcc:release>v0.1.0</dcc:release>", "<dcc:release>0.1.0</dcc:release>"),
+        ("influenceConditions", "usedSoftware"),
         ("dcc:typeOfChange>", "dcc:typeOfChanges>"),
         (">substituted<", ">replaced<"),
         ("\\degree\\hour\\tothe{-1}", "deg/h"),

@@ -108,6 +108,8 @@ def test_the_page_of_a_unit(lab, capsys, tmp_path: Path) -> None:
     text = page.read_text()
     assert "From TETRA-01@2012a to TETRA-01@2013a, 0.999 years" in text
     assert "<strong>70.7</strong>" in text
+    assert '<td class="n">0.0</td>' in text, "what did not change is not bold"
+    assert "Input axis (first direction across it) of each gyro over its records" in text
     before = page.read_bytes()
     assert call(lab, *words) == 0
     assert page.read_bytes() == before
