@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 import fogreduce
 from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.derive import Derivation
+from fogreduce.calibrate.readings import Readings
 from fogreduce.metadata.calibration import CalibrationRecord, record_in
 from fogreduce.metadata.certificate import Certificate
 
@@ -111,17 +113,16 @@ def certificate_facts(
             "table rate solved for within their stated uncertainties; turn-on scatter between runs estimated "
             "apart from noise within runs."
         ),
-        temperature=_temperature(derivation),
+        temperature=temperature_in_words(derivation.readings),
         software=f"fogreduce {fogreduce.__version__}",
     )
 
 
-def _temperature(derivation: Derivation) -> str:
-    changes = [one.temperature for one in derivation.readings if one.temperature is not None]
+def temperature_in_words(readings: Sequence[Readings]) -> str:
+    """What is known of the temperature in the runs."""
+    changes = [one.temperature for one in readings if one.temperature is not None]
     if not changes:
         return "not logged"
     most = max(float(np.abs(change).max()) for change in changes)
-    return (
-        f"logged in {len(changes)} of {len(derivation.readings)} runs; the sensors' changed by up to "
-        f"{most:.1f} degC from a run's start"
-    )
+    logged = f"logged in {len(changes)} of {len(readings)} runs"
+    return f"{logged}; the sensors' changed by up to {most:.1f} degC from a run's start"

@@ -1,7 +1,7 @@
 """The certificate of a candidate record as a Digital Calibration Certificate (DCC 3.3.0, XML).
 
 Source: PTB, schema of the DCC, https://ptb.de/dcc/v3.3.0/dcc.xsd, with numbers and units as D-SI has them
-(https://ptb.de/si). PTB's Schematron rules for DCCs are kept too, but one: a DCC wants a country and contacts,
+(https://ptb.de/si). PTB's Schematron rules for DCCs are kept but one: a DCC wants a country and contacts,
 and where campaign.yaml states none, `ZZ` (ISO 3166-1, user-assigned: unknown, which those rules do not list)
 and "not stated" stand. It is not signed and names no day of issue: a person does.
 """

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import xml.etree.ElementTree as ET
 from pathlib import Path
+from types import SimpleNamespace
 
 import dcc_structure
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import yaml
 from calibration_bench import Bench
 
+from fogreduce.calibrate.certificate import temperature_in_words
 from fogreduce.cli.main import main
 from fogreduce.metadata.folder import read_calibration
 
@@ -72,9 +74,13 @@ def test_the_structure_is_that_of_the_schema(certified, made, tmp_path) -> None:
     assert dcc_structure.faults(root) == []
     assert text(root, ".//dcc:coreData/dcc:countryCodeISO3166_1") == "ZZ"
     assert root.find(".//dcc:certificate", NS) is None
-    assert text(root, ".//dcc:influenceCondition/dcc:data/dcc:text/dcc:content").startswith(
-        "logged in 7 of 7"
-    )
+    assert text(root, ".//dcc:influenceCondition/dcc:data/dcc:text/dcc:content") == "not logged"
+
+
+def test_the_temperature_in_words() -> None:
+    runs = [SimpleNamespace(temperature=one) for one in (np.array([0.1, -1.26]), None, np.array([0.4]))]
+    expected = "logged in 2 of 3 runs; the sensors' changed by up to 1.3 degC from a run's start"
+    assert temperature_in_words(runs) == expected
 
 
 def test_what_the_check_of_structure_finds(certified) -> None:
