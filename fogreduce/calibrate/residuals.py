@@ -34,8 +34,8 @@ class Residual:
     rate_deg_s : float
         Mean rate about the gyro's input axis.
     deg_h, std_deg_h : float
-        Mean, and its standard error by white noise alone (over time), or by white noise and turn-on bias
-        (by segment).
+        Mean, and its standard error by white noise alone (over time), or by white noise and
+        turn-on bias (by segment).
     """
 
     run: int

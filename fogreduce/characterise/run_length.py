@@ -2,10 +2,10 @@
 
 A one-sided CUSUM ``S <- max(0, S + g)`` of independent gains g alarms where S > h. Its average run length
 from S = 0 is that of a Markov chain on a grid of S (Brook and Evans, Biometrika 59 (1972) 539): the time
-between false alarms while nothing has changed, the delay after a change. For a level g is ``u - k``, u unit
-normal; for a scatter it is the log likelihood ratio of a chi-square. Of all detectors with the same false
-alarms the CUSUM with k of half the shift has the shortest worst delay (Moustakides, Annals of Statistics 14
-(1986) 1379).
+between false alarms while nothing has changed, the delay after a change. For a level g is ``u - k``, u
+unit normal; for a scatter it is the log likelihood ratio of a chi-square. Of all detectors with the same
+false alarms the CUSUM with k of half the shift has the shortest worst delay (Moustakides, Annals of
+Statistics 14 (1986) 1379).
 """
 
 from __future__ import annotations

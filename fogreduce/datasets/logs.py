@@ -31,8 +31,8 @@ COLDEST_DEGC, HOTTEST_DEGC = -273.15, 500.0
 class TemperatureLog:
     """Temperatures about once a second: time since the run's start [s] and degrees Celsius, each (k,).
 
-    Where one temperature was logged it stands for the sensors'; `electronics_degC` is None where that is not
-    the electronics'.
+    Where one temperature was logged it stands for the sensors'; `electronics_degC` is None where that
+    is not the electronics'.
     """
 
     time_s: Array

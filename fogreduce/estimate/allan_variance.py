@@ -46,8 +46,8 @@ class Estimate(NamedTuple):
     part : float
         Those as a part of what a series without gaps has.
     inflation : float
-        Expected square before the loss of samples within windows was taken away, over the variance: 1 or
-        more.
+        Expected square before the loss of samples within windows was taken away, over the
+        variance: 1 or more.
     """
 
     variance: float

@@ -1,10 +1,10 @@
 """Stretches in which a gyro's reading does not change, longer than chance: a rail, a dead or a frozen gyro.
 
-A reading repeats the one before with a probability p that the record shows by itself, at the same commanded
-rate; a run of L repeats among N readings then occurs by chance N p^L times. Readings coarser than the noise
-repeat often, and for as long as the rate rests between two transitions; those without noise repeat always:
-they are left alone, unless the unit's other gyros scatter by many steps, so that one that never has changed
-is dead.
+A reading repeats the one before with a probability p that the record shows by itself, at the same
+commanded rate; a run of L repeats among N readings then occurs by chance N p^L times. Readings coarser
+than the noise repeat often, and for as long as the rate rests between two transitions; those without noise
+repeat always: they are left alone, unless the unit's other gyros scatter by many steps, so that one that
+never has changed is dead.
 """
 
 from __future__ import annotations

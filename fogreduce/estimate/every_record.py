@@ -1,8 +1,8 @@
 """Records in which some gyros did not answer: x, y, z from those that did, by generalised least squares.
 
-A record of three gyros or more, not in a plane, determines x, y and z. Its projection is the left inverse of
-the axes that are left, weighted by the gyros' white noise. Two things keep such
-records from moving the result:
+A record of three gyros or more, not in a plane, determines x, y and z. Its projection is the left
+inverse of the axes that are left, weighted by the gyros' white noise. Two things keep such records
+from moving the result:
 
 - What the gyros' biases disagree by (turn-on biases do) goes into x, y, z in other parts when a gyro is
   absent, so that a gap would be a step. The mean of ``M - G Omega`` over the complete records of the same

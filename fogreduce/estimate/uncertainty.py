@@ -78,8 +78,8 @@ class StatedErrors:
         angles to its axis.
     azimuth_deg, latitude_deg, table_rate_ppm : float
     record : RecordCovariance or None
-        Of a record that states one: it then stands in for the standard deviations of scale factor, bias and
-        axis.
+        Of a record that states one: it then stands in for the standard deviations of scale
+        factor, bias and axis.
     """
 
     scale_factor_rel: Array

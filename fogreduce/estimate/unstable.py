@@ -56,8 +56,8 @@ def unstable_intervals(
     Returns
     -------
     list of Unstable
-        In order of gyro and time. Edges are good to half a window: 5 s, or a bin and a half where bins are
-        longer.
+        In order of gyro and time. Edges are good to half a window: 5 s, or a bin and a half
+        where bins are longer.
     """
     found: list[Unstable] = []
     if time_s.size < 2 * _LEAST_BINS:

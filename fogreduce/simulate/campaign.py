@@ -32,8 +32,8 @@ Told = Callable[[int], None]
 def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, overwrite: bool = False) -> None:
     """Write the simulated campaign to the folder `out`.
 
-    Beside it, ``<out>.injected.yaml`` says what was put in: seed, effects, what was drawn, and which captures
-    are simulated.
+    Beside it, ``<out>.injected.yaml`` says what was put in: seed, effects, what was drawn, and
+    which captures are simulated.
 
     Parameters
     ----------

@@ -46,8 +46,8 @@ RULE_COLUMNS = ["axis", "segment", "rule", "records", "drift_deg_h", "drift_err_
 class Angle:
     """An angle [deg] over a segment and its standard errors [deg].
 
-    `white` is that of white noise, `coloured` that of all noise, `stated` what
-    calibration record and run.yaml state as uncertain, noise not in it. NaN: not known.
+    `white` is that of white noise, `coloured` that of all noise, `stated` what calibration record and
+    run.yaml state as uncertain, noise not in it. NaN: not known.
     """
 
     value: float = math.nan

@@ -58,8 +58,8 @@ class Segment:
 class Rounding:
     """Variance of what rounding leaves in a channel's mean, and how long it stays like itself [s].
 
-    `constant` is the variance of what is the same over the whole segment, where the value moves by less than
-    a step.
+    `constant` is the variance of what is the same over the whole segment, where the value moves by
+    less than a step.
     """
 
     variance: float

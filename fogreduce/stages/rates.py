@@ -61,8 +61,8 @@ def rate_rows(
 ) -> list[list[Cell]]:
     """Rows of rates.csv: of each axis in each segment, and in the whole run where there are several.
 
-    Gyros stand in for x, y, z where no record gives those: in a unit of one or two gyros, or where a gyro
-    never answered.
+    Gyros stand in for x, y, z where no record gives those: in a unit of one or two gyros, or where
+    a gyro never answered.
 
     Parameters
     ----------

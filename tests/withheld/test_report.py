@@ -9,7 +9,7 @@ from labels import cause, diagnosis, effect, label
 from withheld.report.figures import FIGURES
 from withheld.report.page import page, write_page
 from withheld.score.judge import judge
-from withheld.score.scoring import _plain
+from withheld.score.scoring import plain_outcome
 from withheld.score.summary import summarise
 from withheld.study.protocol import Thresholds
 
@@ -28,7 +28,7 @@ def scores_of(outcomes, once=True):
                 "tries_before": 1,
                 "seals": {"labels": "0" * 64},
                 "summary": summarise(outcomes, T),
-                "outcomes": [_plain(outcome) for outcome in outcomes],
+                "outcomes": [plain_outcome(outcome) for outcome in outcomes],
             }
         )
     )

@@ -31,8 +31,8 @@ class Temperature:
     def slope_per_min(self, t: Array, half_s: float = 10.0) -> Array:
         """dT/dt [degC/min]: least-squares straight line through the rows within 10 s of each time.
 
-        Sums over a sliding window come from cumulative sums, about the middle of the log so that no digits
-        are lost.
+        Sums over a sliding window come from cumulative sums, about the middle of the log so that
+        no digits are lost.
         """
         time = self.time_s - self.time_s.mean()
         value = self.felt_degC - self.felt_degC.mean()

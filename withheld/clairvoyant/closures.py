@@ -54,11 +54,11 @@ def closure_gram(world: World, inner: Metric, healthy: Healthy) -> list[list[flo
 
     (1 + effects, 1 + effects).  From them `subset_closure` has the closure of any effects that add.
 
-    The gap is that of this world's captures, noise in it, along what the effects can make; what noise alone
-    would make of it is taken off.  An effect of the full rate adds twice the ln likelihood that it gains
-    (`full_rate_gain`) to the gap and to its own product.  None where the gap is below SNR 3, and where a
-    further random process is at work: how much it adds to the gap depends on which features of the means are
-    looked at.
+    The gap is that of this world's captures, noise in it, along what the effects can make; what noise
+    alone would make of it is taken off.  An effect of the full rate adds twice the ln likelihood that it
+    gains (`full_rate_gain`) to the gap and to its own product.  None where the gap is below SNR 3, and
+    where a further random process is at work: how much it adds to the gap depends on which features of the
+    means are looked at.
     """
     if any(e.effect in PROCESSES for e in world.entries):
         return None

@@ -63,11 +63,11 @@ def score(
             "diagnoses": sha256(diagnoses_seal),
         },
         "summary": summarise(outcomes, protocol.thresholds),
-        "outcomes": [_plain(outcome) for outcome in outcomes],
+        "outcomes": [plain_outcome(outcome) for outcome in outcomes],
     }  # fmt: skip
 
 
-def _plain(outcome: Outcome) -> dict[str, Any]:
+def plain_outcome(outcome: Outcome) -> dict[str, Any]:
     """What the figures need of an outcome."""
     return {
         name: getattr(outcome, name)

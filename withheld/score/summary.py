@@ -86,9 +86,9 @@ def _outside(title: str, outcomes: list[Outcome], keeps: float) -> list[dict[str
 
 
 def reliability(pairs: list[tuple[float, bool]]) -> dict[str, Any]:
-    """Stated probabilities in tenths: mean stated, share right; the gap between the two, and what a perfectly
-    calibrated answer of this sample size would show on average (mean absolute deviation of each bin,
-    weighted).
+    """Stated probabilities in tenths: mean stated, share right; the gap between the two, and what a
+    perfectly calibrated answer of this sample size would show on average (mean absolute deviation
+    of each bin, weighted).
     """
     out: dict[str, Any] = {"n": len(pairs), "bins": [], "error": None, "expected_error": None}
     if not pairs:

@@ -1,8 +1,8 @@
 """Captures of format `csv-1`: a header line ``time_s,gyro1_V,...,gyroN_V``, then a record a line.
 
-Readings in another unit than volts have its name in place of V: ``gyro1_deg_s``. An empty field is "no
-answer". Records are not numbered. A table like any other (`fogreduce.datasets.readers.table`), its columns
-known beforehand.
+Readings in another unit than volts have its name in place of V: ``gyro1_deg_s``. An empty field is
+"no answer". Records are not numbered. A table like any other (`fogreduce.datasets.readers.table`),
+its columns known beforehand.
 """
 
 from __future__ import annotations

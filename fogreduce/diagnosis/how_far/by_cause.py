@@ -1,7 +1,7 @@
 """How far the gap closes, cause by cause: alone, with it alone left out, in the order that closes most first.
 
-Every number is the campaign's own measure on data that were not fitted, the simulator run with just those
-causes.
+Every number is the campaign's own measure on data that were not fitted, the simulator run
+with just those causes.
 """
 
 from __future__ import annotations

@@ -16,8 +16,8 @@ from fogreduce.diagnosis.inference.evidence import Field, Fit
 class Bundles:
     """Candidates of one ground, ready to be fitted all at once.
 
-    Those of one point that touch the same rows and have as many columns stand side by side as the points of
-    one grid.
+    Those of one point that touch the same rows and have as many columns stand side by side as the
+    points of one grid.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """How far a real effect may be from the catalogue's shape of it, as columns beside a fitted cause.
 
-A real effect is not quite its name's formula: its size wanders slowly by some per cent, and a coil follows
-its temperature sensor late and not in full. Each departure is a change of block means, one standard
-deviation; what they do to fitted parameters belongs to the parameters' errors, and closure looks where they
-would show.
+A real effect is not quite its name's formula: its size wanders slowly by some per cent, and a coil
+follows its temperature sensor late and not in full. Each departure is a change of block means, one
+standard deviation; what they do to fitted parameters belongs to the parameters' errors, and closure looks
+where they would show.
 """
 
 from __future__ import annotations

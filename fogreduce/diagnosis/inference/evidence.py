@@ -1,10 +1,8 @@
 """Exact Gaussian evidence of candidates, in closed form.
 
 A candidate's amplitude has a mixture of scales as its prior: given a scale S, its coefficients are normal
-with
-the covariance ``g G^-1``, G the Gram matrix of its columns and g = S^2 / k, so that its expected
-signal-to-noise
-ratio is S whatever its units. With Q = b' G^-1 b, b the columns' products with the residual,
+with the covariance ``g G^-1``, G the Gram matrix of its columns and g = S^2 / k, so that its expected
+signal-to-noise ratio is S whatever its units. With Q = b' G^-1 b, b the columns' products with the residual,
 
     ln B = -k/2 ln(1 + g) + Q/2 g / (1 + g).
 

@@ -1,9 +1,8 @@
 """What a residual may be when nothing is wrong: noise of the record, and the stated uncertainties.
 
 Rows are block means, gyro after gyro, in each the runs in order. Noise whitens them; a run's turn-on bias,
-one
-unknown constant, stands in the same covariance. The other stated uncertainties are columns with a standard
-deviation of one, marginalised exactly (Woodbury):
+one unknown constant, stands in the same covariance. The other stated uncertainties are columns with a
+standard deviation of one, marginalised exactly (Woodbury):
 
     x' S^-1 y = x'y - (A'x)' (1 + A'A)^-1 (A'y)    for whitened x, y and A.
 """

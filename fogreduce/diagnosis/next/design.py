@@ -95,7 +95,7 @@ def proposed(search: Search, verdict: Verdict, limits: Bench = ANY_BENCH) -> Nex
         seconds = float(round(part * longest_s(search.data.inputs), 3))
         chosen = lasting(motion, seconds, search.data.inputs, limits)
         separation = separations.separation(chosen)
-        if _least(separation, weight, _PROMISING_SIGMA)[0] >= _SEPARATED_SIGMA:
+        if separated_rivals(separation, weight, _PROMISING_SIGMA)[0] >= _SEPARATED_SIGMA:
             break
     document = _document(search.data.inputs, chosen, rivals, separation, weight)
     return NextRun(chosen, one, rivals, separation, document)
@@ -104,12 +104,12 @@ def proposed(search: Search, verdict: Verdict, limits: Bench = ANY_BENCH) -> Nex
 def _best(separations: _Separations, runs: Sequence[Proposal], weight: Array) -> Proposal:
     """The run with the least confusion; what cannot beat the best so far is not looked at closely."""
     # stated uncertainties can only hide a difference: without them confusion is the least that it may be
-    least = [_confusion(separations.separation(run, stated=False), weight) for run in runs]
+    least = [confusion(separations.separation(run, stated=False), weight) for run in runs]
     best: tuple[float, Proposal] = (np.inf, runs[0])
     for bound, run in sorted(zip(least, runs, strict=True), key=lambda pair: pair[0]):
         if bound >= best[0]:
             break
-        best = min(best, (_confusion(separations.separation(run), weight), run), key=lambda pair: pair[0])
+        best = min(best, (confusion(separations.separation(run), weight), run), key=lambda pair: pair[0])
     return best[1]
 
 
@@ -128,7 +128,7 @@ def _evidence(one: Named, own: Cause, others: Sequence[Option]) -> Array:
     return np.array([mine, *(o.log_b for o in others)])
 
 
-def _apart(today: Array, new: Array) -> float:
+def separation_squared(today: Array, new: Array) -> float:
     """Squared distance of two rivals in all runs, the one at its fitted size, the other at any.
 
     Parameters
@@ -146,15 +146,35 @@ def _apart(today: Array, new: Array) -> float:
     return max(float(min(a - b for a, b in zip(apart, before, strict=True))), 0.0)
 
 
-def _confusion(separation: Array, weight: Array) -> float:
+def confusion(separation: Array, weight: Array) -> float:
+    """A bound of the probability that the run's likeliest rival is the wrong one (Chernoff).
+
+    Parameters
+    ----------
+    separation : (rivals, rivals) array
+        Distances between what the rivals predict [sigma].
+    weight : (rivals,) array
+        Probability of each from today's runs.
+    """
     pairs = combinations(range(len(weight)), 2)
     return float(sum(weight[a] * weight[b] * np.exp(-(separation[a, b] ** 2) / 8.0) for a, b in pairs))
 
 
-def _least(separation: Array, weight: Array, enough: float = _SEPARATED_SIGMA) -> tuple[float, list[int]]:
+def separated_rivals(
+    separation: Array, weight: Array, enough: float = _SEPARATED_SIGMA
+) -> tuple[float, list[int]]:
     """The least separation of the rivals that the run tells apart from one another, and which they are.
 
     Where it tells none apart, of the best pair.
+
+    Parameters
+    ----------
+    separation : (rivals, rivals) array
+        Distances between what the rivals predict [sigma].
+    weight : (rivals,) array
+        Probability of each from today's runs.
+    enough : float
+        Distance [sigma] from which on two are told apart.
     """
     order = np.argsort(-weight, kind="stable").tolist()
     separated = [order[0]]
@@ -205,7 +225,7 @@ class _Separations:
                     metrics[id(whiten)] = Metric.of(whiten(columns))
                 both = whiten(np.column_stack([changes[a], changes[b]]))
                 pair = np.ix_([a, b], [a, b])
-                d2 = _apart(self.today[pair], metrics[id(whiten)].gram(both, both))
+                d2 = separation_squared(self.today[pair], metrics[id(whiten)].gram(both, both))
             out[a, b] = out[b, a] = np.sqrt(max(d2, 0.0))
         return out
 
@@ -241,7 +261,7 @@ def _document(
     separation: Array,
     weight: Array,
 ) -> dict[str, Any]:
-    sigma, separated = _least(separation, weight)
+    sigma, separated = separated_rivals(separation, weight)
     names = [named(rivals[k]) for k in separated]
     left = [named(rivals[k]) for k in range(len(rivals)) if k not in separated or sigma < _SEPARATED_SIGMA]
     least = "" if len(names) == 2 else " or more"

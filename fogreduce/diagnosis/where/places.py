@@ -1,8 +1,7 @@
 """Where a residual departs from nothing: places without a cause, each with its significance.
 
 The most significant family is taken first; what it explains no longer counts for the next. So a place is
-named
-once, and shares add up.
+named once, and shares add up.
 """
 
 from __future__ import annotations

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
 
-from fogreduce.diagnosis.inference.evidence import Field, log_bayes
+from fogreduce.diagnosis.inference.evidence import LOG_WEIGHTS, SCALES, Field, log_bayes
 from fogreduce.diagnosis.inference.noise_model import Metric
 from fogreduce.diagnosis.inference.significance import deviate
 from fogreduce.physics.special import log_chi2_tail
@@ -25,14 +27,14 @@ def test_a_free_column_is_projected_out() -> None:
     assert abs(metric.gram(x, x)[0, 0]) < 1e-6
 
 
-def test_evidence_of_one_scale_is_the_ratio_of_two_gaussians() -> None:
-    # with many scales the mixture lies between the least and the greatest of them
-    q = np.array([0.0, 30.0])
-    g = np.array([9.0, 1e12])
-    one = -0.5 * np.log1p(g) + 0.5 * q[:, None] * g / (1 + g)
-    found = log_bayes(q, 1)
-    assert (found <= one.max(axis=1) + 12.0).all()
-    assert found[0] < 0.0 < found[1]
+@pytest.mark.parametrize("k", [1, 3])
+def test_evidence_is_the_ratio_of_gaussian_densities_over_the_scales(k: int) -> None:
+    """By scipy's densities: columns at right angles, so that a product is normal with variance 1 or 1 + g."""
+    products = np.array([[0.0] * k, [2.0] * k, [9.0] * k])
+    nothing = multivariate_normal(cov=np.eye(k)).logpdf(products)
+    each = [multivariate_normal(cov=(1.0 + s**2 / k) * np.eye(k)).logpdf(products) - nothing for s in SCALES]
+    found = log_bayes(np.sum(products**2, axis=1), k)
+    np.testing.assert_allclose(found, logsumexp(each, axis=0, b=np.exp(LOG_WEIGHTS)[:, None]), rtol=1e-9)
 
 
 def test_chi_squared_of_noise_is_its_number_of_rows() -> None:

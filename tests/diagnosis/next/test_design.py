@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bench_lab import diagnosed, lab, simulated
 
-from fogreduce.diagnosis.next.design import _apart, _confusion, _least
+from fogreduce.diagnosis.next.design import confusion, separated_rivals, separation_squared
 from fogreduce.diagnosis.next.runs import Proposal, as_input, lasting, proposals, temperature
 from fogreduce.diagnosis.observe.capture import read_inputs
 from fogreduce.metadata.bench import Bench, Chamber, Table
@@ -17,23 +17,23 @@ OFFSET = {"effect": "bias_offset", "channels": ["gyro2"], "runs": ["*"], "parame
 def test_confusion_is_that_of_chernoff() -> None:
     # two rivals, even odds, d apart: 1/4 exp(-d^2 / 8)
     separation = np.array([[0.0, 4.0], [4.0, 0.0]])
-    assert _confusion(separation, np.array([0.5, 0.5])) == pytest.approx(0.25 * np.exp(-2.0))
+    assert confusion(separation, np.array([0.5, 0.5])) == pytest.approx(0.25 * np.exp(-2.0))
 
 
 def test_a_rival_of_any_size_is_as_far_as_its_direction() -> None:
     # in one run both rivals change the same (10 sigma); in the next the one changes 10, the other nothing:
     # the best of (1, 1) and (c, 0) leaves 10 / sqrt(2)
     today = np.full((2, 2), 100.0)
-    assert _apart(today, np.array([[100.0, 0.0], [0.0, 0.0]])) == pytest.approx(50.0)
+    assert separation_squared(today, np.array([[100.0, 0.0], [0.0, 0.0]])) == pytest.approx(50.0)
 
 
 def test_what_is_not_told_apart_is_left() -> None:
     separation = np.array([[0.0, 9.0, 0.4], [9.0, 0.0, 9.0], [0.4, 9.0, 0.0]])
-    assert _least(separation, np.array([0.5, 0.3, 0.2])) == (9.0, [0, 1])
+    assert separated_rivals(separation, np.array([0.5, 0.3, 0.2])) == (9.0, [0, 1])
     # five sigma are no separation to promise, but worth a longer run
     less = np.array([[0.0, 9.0, 5.0], [9.0, 0.0, 9.0], [5.0, 9.0, 0.0]])
-    assert _least(less, np.array([0.5, 0.3, 0.2])) == (9.0, [0, 1])
-    assert _least(less, np.array([0.5, 0.3, 0.2]), 3.0) == (5.0, [0, 1, 2])
+    assert separated_rivals(less, np.array([0.5, 0.3, 0.2])) == (9.0, [0, 1])
+    assert separated_rivals(less, np.array([0.5, 0.3, 0.2]), 3.0) == (5.0, [0, 1, 2])
 
 
 def test_a_soak_is_weighed_where_temperature_matters_and_warms_the_sensor(tmp_path) -> None:

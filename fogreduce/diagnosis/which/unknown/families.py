@@ -1,8 +1,7 @@
 """Families of the unknown: low-dimensional features of a residual that need no cause.
 
 They say where a gap lies, they are what a remainder is tested with, and they compete with the catalogue for
-what
-it cannot explain. Each is a gyro's own doing, or what a true rotation would do to all gyros alike.
+what it cannot explain. Each is a gyro's own doing, or what a true rotation would do to all gyros alike.
 """
 
 from __future__ import annotations
