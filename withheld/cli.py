@@ -143,7 +143,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True)
 
     one = commands.add_parser("protocol", help="fix a study and seal it, before any label exists")
-    one.add_argument("--study", required=True, help="small, full or whole")
+    one.add_argument("--study", required=True, help="small, quarter, full or whole")
     one.add_argument("--seed", type=int, required=True)
     one.add_argument("--cases", type=int, help="how many cases are expected; another number is an error")
     one.add_argument("--out", type=Path, required=True)

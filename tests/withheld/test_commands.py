@@ -69,7 +69,7 @@ def test_a_diagnoser_that_fails_leaves_no_diagnosis_and_its_last_words(batch, tm
 BAD = {
     "no such study": (
         ["protocol", "--study", "big", "--seed", "1000001", "--out", "p"],
-        "expected small, full or whole",
+        "expected small, quarter, full or whole",
     ),
     "a training seed": (["protocol", "--study", "small", "--seed", "7", "--out", "p"], "study seed 7"),
     "a wrong number": (

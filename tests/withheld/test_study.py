@@ -57,7 +57,7 @@ def test_the_small_study_has_some_twenty_cases_a_quarter_of_them_quiet():
     small = study("small", 1_000_001)
     assert small.cases == len(plans(small)) == 20
     assert sum(plan.kind == "nothing" for plan in plans(small)) >= 5
-    with pytest.raises(BadInput, match="expected small, full or whole"):
+    with pytest.raises(BadInput, match="expected small, quarter, full or whole"):
         study("medium", 1)
 
 
@@ -69,6 +69,13 @@ def test_the_whole_study_holds_every_kind_and_class():
     assert {(p.effects, p.snr) for p in plans(whole) if p.kind == "strong"} == {
         ((name,), snr) for name in NAMES for snr in (50.0, 200.0, 1000.0)
     }
+
+
+def test_a_quarter_of_the_whole_study_holds_every_kind_and_class_too():
+    quarter = study("quarter", 1_000_001)
+    kinds = Counter(plan.kind for plan in plans(quarter))
+    assert quarter.cases == sum(kinds.values()) == 386
+    assert set(kinds) == {plan.kind for plan in plans(study("whole", 1_000_001))}
 
 
 def test_every_effect_has_a_law():

@@ -193,7 +193,7 @@ def test_once_mended_only_what_was_missing_is_made_and_a_further_call_does_nothi
         ),
         (
             "withheld={study: huge}",
-            "configuration: withheld.study: found huge; expected small, full or whole",
+            "configuration: withheld.study: found huge; expected small, quarter, full or whole",
         ),
         (
             "campaigns_dir=nowhere",

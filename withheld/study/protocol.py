@@ -132,7 +132,7 @@ METRICS = (
 
 def study(kind: str, seed: int) -> Protocol:
     """`small`: twenty cases that try the path; `full`: 1,216 campaigns of the first kinds, 400 with nothing
-    wrong; `whole`: 1,500 of the first kinds and of every class.
+    wrong; `whole`: 1,500 of the first kinds and of every class; `quarter`: 386 of the same.
     """
     if kind == "small":
         return Protocol("small", seed, False, 6, 1, 1, 1, 1, 1, singles_total=4)
@@ -144,7 +144,13 @@ def study(kind: str, seed: int) -> Protocol:
             "slow_log": 36, "long_run": 24, "near": 44,
         }  # fmt: skip
         return Protocol("whole", seed, True, 300, 5, 60, 20, 2, 6, classes=classes)
-    raise BadInput(f"withheld study {kind}: expected small, full or whole")
+    if kind == "quarter":
+        classes = {
+            "stale": 44, "stale_culprit": 22, "strong": 60, "link_slow": 15, "mixed_quiet": 15, "mixed": 10,
+            "slow_log": 9, "long_run": 12, "near": 12,
+        }  # fmt: skip
+        return Protocol("quarter", seed, True, 75, 1, 15, 5, 1, 1, classes=classes)
+    raise BadInput(f"withheld study {kind}: expected small, quarter, full or whole")
 
 
 def code_hash() -> str:

@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 
 WITHHELD_DEFAULTS = {
-    "study": "small",  # small: tries the path; full: the first kinds; whole: and every class
+    "study": "small",  # small: tries the path; full: the first kinds; whole: and every class; quarter: of whole
     "seed": 1000001,  # a study's seeds start at 1 000 000
     "batch": 5,  # cases a job
     "window": 4,  # batches whose captures may lie on disk at once
@@ -19,12 +19,12 @@ if unknown := sorted(WITHHELD.keys() - WITHHELD_DEFAULTS.keys()):
     stop(
         f"configuration: withheld.{unknown[0]}: found an unknown key; expected one of {', '.join(WITHHELD_DEFAULTS)}"
     )
-if WITHHELD["study"] not in ("small", "full", "whole"):
+if WITHHELD["study"] not in ("small", "quarter", "full", "whole"):
     stop(
-        f"configuration: withheld.study: found {WITHHELD['study']}; expected small, full or whole"
+        f"configuration: withheld.study: found {WITHHELD['study']}; expected small, quarter, full or whole"
     )
 # The protocol's command checks the number of cases.
-WITHHELD_CASES = {"small": 20, "full": 1216, "whole": 1500}[WITHHELD["study"]]
+WITHHELD_CASES = {"small": 20, "quarter": 386, "full": 1216, "whole": 1500}[WITHHELD["study"]]
 WITHHELD_OUT = f"{config.get('results_dir', 'results')}/withheld/{WITHHELD['study']}-{WITHHELD['seed']}"
 WITHHELD_LEDGER = WITHHELD["ledger"] or (
     "docs/withheld-studies/ledger.json"
