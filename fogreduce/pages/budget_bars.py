@@ -14,6 +14,7 @@ from fogreduce.stages.read_tables import Row
 
 #: Quantity -> in words. Those of the whole run, or of its only segment.
 _SHOWN = {"drift": "drift", "mean_rate": "mean rate"}
+_PARTS = {part: part.replace("_", " ") for part in PARTS} | {"turn_on": "turn-on bias"}
 
 
 def budget_bars(rows: Sequence[Row]) -> Markup | None:
@@ -37,7 +38,7 @@ def budget_bars(rows: Sequence[Row]) -> Markup | None:
             combined = real(row["u_combined"])
             if (row["quantity"], row["segment"]) != (quantity, of) or not combined:
                 continue
-            parts = {part.replace("_", " "): real(row[f"u_{part}"]) or 0.0 for part in PARTS}
+            parts = {name: real(row[f"u_{part}"]) or 0.0 for part, name in _PARTS.items()}
             shares = {part: (size / combined) ** 2 for part, size in parts.items()}
             bars.append(svg.Bar(f"{words} {row['channel']}", f"{number(combined, 2)} {row['unit']}", shares))
             largest = max(shares, key=lambda part: shares[part])

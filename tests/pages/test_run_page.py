@@ -81,6 +81,7 @@ def test_the_bars_are_the_shares_of_the_budget(lab) -> None:
     assert [name for name in names if name.startswith(("drift", "mean"))] == [
         f"{quantity} {axis}" for quantity in ("drift", "mean rate") for axis in "xyz"
     ]
+    assert "turn-on bias" in names  # in the legend
     row = next(
         row for row in rows if (row["quantity"], row["channel"], row["segment"]) == ("drift", "x", "all")
     )
