@@ -24,7 +24,9 @@ if WITHHELD["study"] not in ("small", "quarter", "full", "whole"):
         f"configuration: withheld.study: found {WITHHELD['study']}; expected small, quarter, full or whole"
     )
 # The protocol's command checks the number of cases.
-WITHHELD_CASES = {"small": 20, "quarter": 386, "full": 1216, "whole": 1500}[WITHHELD["study"]]
+WITHHELD_CASES = {"small": 20, "quarter": 386, "full": 1216, "whole": 1500}[
+    WITHHELD["study"]
+]
 WITHHELD_OUT = f"{config.get('results_dir', 'results')}/withheld/{WITHHELD['study']}-{WITHHELD['seed']}"
 WITHHELD_LEDGER = WITHHELD["ledger"] or (
     "docs/withheld-studies/ledger.json"
