@@ -62,7 +62,8 @@ class Readings:
     count : (n, m) array
         Samples in it.
     scatter : (n, m) array
-        Their standard deviation about it [raw unit].
+        Their standard deviation, what the present record makes of the motion taken away [raw unit]: Earth's
+        wave in a turn is none of it.
     step_square, steps : (n,) arrays
         Sum of the squared steps from one sample to the next, what the present record makes of the motion
         taken away [raw unit^2], and their number.
@@ -124,21 +125,17 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
     block_records = max(1, parameters.block_records // size) * size
     for block in ingest.blocks(reader, block_records):
         time_s = block.time_us / MICROSECONDS_PER_SECOND
-        values = np.vstack(
-            (
-                block.raw * facts.polarity[:, None],
-                axis_rates(facts, time_s),
-                motion_departures(facts, stated, time_s).reshape(9, -1),
-            )
-        )
+        raw, motion = block.raw * facts.polarity[:, None], axis_rates(facts, time_s)
+        left = raw - facts.scale_factor[:, None] * (facts.axes @ motion)
+        values = np.vstack((left, raw, motion, motion_departures(facts, stated, time_s).reshape(9, -1)))
         usable = _usable(block.flag, block.gyro_flag, len(values))
-        square, number = _steps(facts, values, usable)
+        square, number = _steps(left, None if usable is None else usable[: facts.n_gyros])
         step_square, steps = step_square + square, steps + number
         parts.append(bins_of(time_s, values, usable, size))
     bins = Bins.joined(parts)
     n, bin_s = facts.n_gyros, size / facts.sample_rate_hz
     segment, inside = whole_bins(facts, bins.time_s, bin_s, parameters.edge_guard_s)
-    inside &= (bins.count[n] > size / 2) & (bins.count[:n] > size / 2).any(axis=0)
+    inside &= (bins.count[2 * n] > size / 2) & (bins.count[:n] > size / 2).any(axis=0)
     if not inside.any():
         expected = "at least one bin of usable records inside a segment of the profile"
         raise BadInput.at(path, "", found="no usable data", expected=expected)
@@ -152,13 +149,13 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
         bin_s=bin_s,
         segment=segment[inside],
         time_s=time_s,
-        raw=np.where(bins.count[:n, inside] > size / 2, bins.mean[:n, inside], np.nan),
+        raw=np.where(bins.count[:n, inside] > size / 2, bins.mean[n : 2 * n, inside], np.nan),
         count=bins.count[:n, inside],
         scatter=bins.scatter[:n, inside],
         step_square=step_square,
         steps=steps,
-        motion=bins.mean[n : n + 3, inside],
-        departure=bins.mean[n + 3 :, inside].reshape(3, 3, -1),
+        motion=bins.mean[2 * n : 2 * n + 3, inside],
+        departure=bins.mean[2 * n + 3 :, inside].reshape(3, 3, -1),
         temperature=None if log is None else log.sensor_at(time_s) - log.sensor_at(np.zeros(1)),
         electronics=_electronics(log, time_s),
         warming=None if log is None else _warming(log, time_s),
@@ -183,27 +180,23 @@ def records_in_bin(facts: RunFacts) -> int:
 
 
 def _usable(flag: NDArray[np.uint8], gyro_flag: NDArray[np.uint8], rows: int) -> NDArray[np.bool_] | None:
-    """Which values count: of each gyro, then of the motion."""
+    """Which values count: of each gyro, less motion and whole, then of the motion."""
     gyros = usable_gyros(flag, gyro_flag)
     if gyros is None:
         return None
-    records = np.broadcast_to((flag & UNUSABLE_RECORD) == 0, (rows - len(gyros), flag.size))
-    return np.vstack((gyros, records))
+    records = np.broadcast_to((flag & UNUSABLE_RECORD) == 0, (rows - 2 * len(gyros), flag.size))
+    return np.vstack((gyros, gyros, records))
 
 
-def _steps(
-    facts: RunFacts, values: Array, usable: NDArray[np.bool_] | None
-) -> tuple[Array, NDArray[np.intp]]:
-    """Sum of the squared steps between neighbouring samples of a block, and their number, of each gyro.
+def _steps(left: Array, usable: NDArray[np.bool_] | None) -> tuple[Array, NDArray[np.intp]]:
+    """Sum of the squared steps between neighbouring samples less the motion, and their number, (n,) each.
 
     Jumps between two commanded rates, of which there are few, are left out as their size says.
     """
-    n = facts.n_gyros
-    left = values[:n] - facts.scale_factor[:, None] * (facts.axes @ values[n : n + 3])
     if usable is not None:
-        left = np.where(usable[:n], left, np.nan)
+        left = np.where(usable, left, np.nan)
     step = np.diff(left, axis=1)
-    typical = np.nanmedian(np.abs(step), axis=1, keepdims=True) if step.size else np.zeros((n, 1))
+    typical = np.nanmedian(np.abs(step), axis=1, keepdims=True) if step.size else np.zeros((len(left), 1))
     there = np.abs(step) <= _LARGEST_STEP * typical
     return np.sum(np.where(there, step, 0.0) ** 2, axis=1), np.count_nonzero(there, axis=1)
 

@@ -16,6 +16,8 @@ from fogreduce.calibrate.equations import Product
 from fogreduce.calibrate.solution import Prior, Solution, solve
 from fogreduce.constants import SECONDS_PER_HOUR
 
+#: Bias by a magnetic field along the gyro's axis.
+MAGNETIC = "magnetic"
 #: Shape -> (name of the effect or coefficient, unit, what a value of 1 in deg/h stands for in that unit).
 UNITS = {
     "asymmetry": ("ppm", 1e6 / SECONDS_PER_HOUR),
@@ -28,7 +30,7 @@ UNITS = {
     "acceleration_x": ("deg/h per g", 1.0),
     "acceleration_y": ("deg/h per g", 1.0),
     "acceleration_z": ("deg/h per g", 1.0),
-    "magnetic": ("deg/h per mT", 1.0),
+    MAGNETIC: ("deg/h per mT", 1.0),
 }
 #: Fitted together: an acceleration along one axis of the unit is none along another.
 ACCELERATION = ("acceleration_x", "acceleration_y", "acceleration_z")
@@ -42,7 +44,7 @@ _WORST = {
     "electronics_bias": 1e2,
     "warming_bias": 1e3,
     **dict.fromkeys(ACCELERATION, 1e2),
-    "magnetic": 1e3,
+    MAGNETIC: 1e3,
 }
 
 

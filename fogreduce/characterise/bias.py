@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.shapes import ACCELERATION, Shape
+from fogreduce.calibrate.shapes import ACCELERATION, MAGNETIC, Shape
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.left_open import bias_is_open
 from fogreduce.characterise.quantity import COVERAGE, Quantity, normal, undetermined
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 _FEWEST_MEANS = 20
 #: Departures by which a run's bias follows its rates and attitude, which is no scatter.
-_FOLLOWS = ("asymmetry", *ACCELERATION, "magnetic")
+_FOLLOWS = ("asymmetry", *ACCELERATION, MAGNETIC)
 
 
 def bias_quantities(

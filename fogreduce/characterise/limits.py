@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from scipy.special import ndtr
 
 from fogreduce.characterise.definitions import DEFINITIONS
-from fogreduce.characterise.quantity import Quantity
+from fogreduce.characterise.quantity import K95, Quantity
 from fogreduce.metadata.base import Model
 from fogreduce.metadata.faults import unexpected
 
@@ -69,8 +69,8 @@ def verdict(quantity: Quantity, limits: Limits) -> tuple[str, float] | None:
     below, above = limits.guard * (value - low), limits.guard * (high - value)
     least = float("-inf") if limit.min is None else limit.min
     most = float("inf") if limit.max is None else limit.max
-    std = max((high - low) / 3.92, 1e-300)
-    probability = float(ndtr((most - value) / std) - ndtr((least - value) / std))
+    under, over = max((value - low) / K95, 1e-300), max((high - value) / K95, 1e-300)
+    probability = float(ndtr((most - value) / over) - ndtr((least - value) / under))
     if value - below >= least and value + above <= most:
         return PASS, probability
     if value + above < least or value - below > most:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.shapes import ACCELERATION, Shape
+from fogreduce.calibrate.shapes import ACCELERATION, MAGNETIC, Shape
 from fogreduce.characterise.left_open import axis_is_open
 from fogreduce.characterise.quantity import Quantity, normal, undetermined
 
@@ -29,7 +29,7 @@ def _misalignment(found: Derivation, gyro: int, of: str) -> list[Quantity]:
     nominal = nominal / np.linalg.norm(nominal)
     quantities = []
     for k, direction in enumerate(parameters.across[gyro]):
-        x, y, z = direction
+        x, y, z = np.round(direction, 2) + 0.0  # no sign of a zero
         part = f"{of}, towards [{x:.2f}, {y:.2f}, {z:.2f}]"
         std = float(parameters.standard_errors[gyro, 2 + k])
         if axis_is_open(found, gyro, k):
@@ -64,7 +64,7 @@ def field_is_stated(found: Derivation) -> bool:
 def _magnetic(found: Derivation, shapes: list[Shape], gyro: int, of: str) -> Quantity:
     """Bias by 1 mT along the gyro's input axis, as the effect `magnetic_bias` has it."""
     for one in shapes:
-        if one.name == "magnetic" and one.gyro == gyro:
+        if one.name == MAGNETIC and one.gyro == gyro:
             return normal("magnetic_sensitivity", of, "deg/h/mT", one.value, one.std)
     needs = "standstills in attitudes that turn the gyro's axis along the field and against it"
     if not field_is_stated(found):

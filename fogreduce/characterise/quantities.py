@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fogreduce.calibrate.derive import Derivation, prior_of
-from fogreduce.calibrate.shapes import ACCELERATION, Shape, fitted_shapes
+from fogreduce.calibrate.shapes import ACCELERATION, MAGNETIC, Shape, fitted_shapes
 from fogreduce.characterise.bias import bias_quantities
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.noise import noise_quantities
@@ -38,6 +38,6 @@ def report_shapes(found: Derivation) -> list[Shape]:
     prior = prior_of(found.readings[0])
     alone = fitted_shapes(found.products, found.solution, prior, more)
     # A field and the vertical keep their angle: what belongs to either is told apart together only.
-    of_place = (*ACCELERATION, "magnetic") if field_is_stated(found) else ACCELERATION
+    of_place = (*ACCELERATION, MAGNETIC) if field_is_stated(found) else ACCELERATION
     together = fitted_shapes(found.products, found.solution, prior, of_place, together=True)
     return [*found.shapes, *alone, *together]

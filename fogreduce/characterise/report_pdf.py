@@ -113,16 +113,16 @@ def _quantities(paper: _Paper, document: rows.Document) -> None:
     paper.heading("What the runs determine: ± one standard uncertainty, and the 95 % interval")
     paper.table(
         ("quantity", "of", "value", "95 % interval", "unit", "verdict"),
-        (0.21, 0.18, 0.19, 0.2, 0.14, 0.08),
+        (0.2, 0.15, 0.2, 0.24, 0.13, 0.08),
         [
-            [f"{row['title']} [{row['footnote']}]", *(row[key] for key in keys)]
+            [f"{row['title']} [{row['footnote']}]" if row["span"] else "", *(row[key] for key in keys)]
             for row in rows.determined(document)
         ],
     )
     paper.heading("Not determinable from these runs, and the runs that would determine it")
     paper.table(
         ("quantity", "of", "needs"),
-        (0.25, 0.25, 0.5),
+        (0.3, 0.25, 0.45),
         [
             [f"{row['title']} [{row['footnote']}]", row["of"], row["needs"]]
             for row in rows.not_determined(document)
@@ -137,7 +137,7 @@ def _checks(paper: _Paper, document: rows.Document) -> None:
             f"One gyro failed: run {first['run']}, segment {first['segment']}, without each in turn"
         )
         heads = ("without", "trace", "noise x [deg/√h]", "y", "z", "drift x [deg/h]", "y", "z")
-        paper.table(heads, (0.08, 0.08, 0.12, 0.1, 0.1, 0.17, 0.17, 0.18), rows.left_out(document))
+        paper.table(heads, (0.08, 0.07, 0.15, 0.1, 0.1, 0.18, 0.16, 0.16), rows.left_out(document))
     if document["parity"]["checked"]:
         parity = document["parity"]
         paper.heading("Parity checks")
@@ -147,7 +147,7 @@ def _checks(paper: _Paper, document: rows.Document) -> None:
         )
         if parity["alarms"]:
             columns = ("run", "check", "what", "since [s]", "noticed [s]", "size", "gyro", "evidence")
-            widths = (0.12, 0.06, 0.2, 0.07, 0.08, 0.07, 0.15, 0.25)
+            widths = (0.1, 0.07, 0.19, 0.09, 0.11, 0.07, 0.14, 0.23)
             paper.table(columns, widths, rows.alarms(document))
     for turn in turn_rows(document):
         paper.heading("The same turn about other axes")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -13,6 +14,7 @@ from fogreduce.pages.numbers import number, plus_minus
 Document = Mapping[str, Any]
 
 _EVEN = 0.01  # odds that differ by less are alike
+_SURE = 1e-3  # a probability nearer to 0 or 1 is written as beyond it
 
 
 def footnotes(document: Document) -> dict[str, int]:
@@ -21,28 +23,26 @@ def footnotes(document: Document) -> dict[str, int]:
     return {name: k + 1 for k, name in enumerate(names)}
 
 
-def determined(document: Document) -> list[dict[str, str]]:
-    """Rows of what the runs determine."""
+def determined(document: Document) -> list[dict[str, Any]]:
+    """Rows of what the runs determine, gyro below gyro; `span`: rows of a quantity, on its first one."""
     notes = footnotes(document)
+    found = [one for one in document["quantities"] if one["determined"]]
+    counts = Counter(one["quantity"] for one in found)
+    found.sort(key=lambda one: notes[one["quantity"]])
     return [
         {
             "title": DEFINITIONS[one["quantity"]].title,
             "footnote": str(notes[one["quantity"]]),
+            "span": counts[one["quantity"]] if k == 0 or found[k - 1]["quantity"] != one["quantity"] else 0,
             "of": one["of"],
-            # What is 0 is not seen: its interval bounds it.
-            "value": plus_minus(one["value"], one["std"])
-            if one["value"]
-            else f"≤ {number(one['high_95'], 2)}",
+            "value": _value(one),
             "interval": _interval(one["low_95"], one["high_95"], one["std"]),
             "unit": one["unit"],
             "note": one["note"],
             "verdict": one["verdict"] or "",
-            "probability": ""
-            if one["conformance_probability"] is None
-            else f"{100 * one['conformance_probability']:.3g} %",
+            "probability": _per_cent(one["conformance_probability"]),
         }
-        for one in document["quantities"]
-        if one["determined"]
+        for k, one in enumerate(found)
     ]
 
 
@@ -78,19 +78,24 @@ def left_out(document: Document) -> list[list[str]]:
 
 
 def alarms(document: Document) -> list[list[str]]:
-    """Alarms of the parity checks."""
+    """Alarms of the parity checks; those of a run that say the same, in several segments, in one row."""
+    rows: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    for one in document["parity"]["alarms"]:
+        gyro = f"{one['gyro']}, by {one['isolated_by']}" if one["gyro"] else "not isolated"
+        evidence = "; ".join(map(_evidence, one["evidence"]))
+        rows.setdefault((one["run"], one["check"], one["what"], gyro, evidence), []).append(one)
     return [
         [
-            one["run"],
-            one["check"],
-            one["what"],
-            number(one["since_s"]),
-            number(one["alarm_s"]),
-            number(one["size"], 3),
-            f"{one['gyro']}, by {one['isolated_by']}" if one["gyro"] else "not isolated",
-            "; ".join(map(_evidence, one["evidence"])),
+            run,
+            check,
+            what if len(same) == 1 else f"{what} ({len(same)} times)",
+            number(same[0]["since_s"]),
+            number(same[0]["alarm_s"]),
+            number(max((one["size"] for one in same), key=abs), 3),
+            gyro,
+            evidence,
         ]
-        for one in document["parity"]["alarms"]
+        for (run, check, what, gyro, evidence), same in rows.items()
     ]
 
 
@@ -123,6 +128,15 @@ def verdict_line(document: Document) -> str:
     return ", ".join(f"{count} {word}" for word, count in counts.items()) + (
         f"; guard band {document['limits']['guard']:g} times the expanded uncertainty."
     )
+
+
+def _per_cent(probability: float | None) -> str:
+    """A probability of conformance."""
+    if probability is None:
+        return ""
+    if probability < _SURE or probability > 1 - _SURE:
+        return f"< {100 * _SURE:g} %" if probability < 0.5 else f"> {100 * (1 - _SURE):g} %"
+    return f"{100 * probability:.3g} %"
 
 
 def _value(one: Document) -> str:

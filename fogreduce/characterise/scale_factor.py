@@ -29,7 +29,7 @@ def scale_factor_quantities(
 ) -> list[Quantity]:
     """All that the scale factor of a gyro has."""
     of = f"gyro{gyro + 1}"
-    steps = steps_of(found, gyro)
+    steps = steps_of(found, gyro, shapes)
     return [
         _scale_factor(found, gyro, of),
         _nonlinearity(steps, of, choices),

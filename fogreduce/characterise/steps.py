@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.equations import deg_h_per_raw
+from fogreduce.calibrate.equations import deg_h_per_raw, field, vertical
 from fogreduce.calibrate.noise import covariance
+from fogreduce.calibrate.readings import Readings
+from fogreduce.calibrate.shapes import ACCELERATION, MAGNETIC, Shape
 
 Array = NDArray[np.float64]
 
@@ -55,8 +57,12 @@ class Steps:
         return float(np.abs(self.expected).max())
 
 
-def steps_of(found: Derivation, gyro: int) -> list[Steps]:
-    """The steps of a gyro in every run that turns about its axis."""
+def steps_of(found: Derivation, gyro: int, shapes: Sequence[Shape] = ()) -> list[Steps]:
+    """The steps of a gyro in every run that turns about its axis.
+
+    What attitude and field add to its bias, as far as they are fitted (`shapes`), is taken away: in a turn
+    they make a wave that does not average out over a step.
+    """
     vector = found.solution.values[found.solution.layout.vector(gyro)]
     axis = vector / np.linalg.norm(vector)
     out = []
@@ -69,7 +75,7 @@ def steps_of(found: Derivation, gyro: int) -> list[Steps]:
             continue
         segment = one.segment[there]
         mean = np.array([(segment == k) / np.sum(segment == k) for k in segments])
-        reading = one.raw[gyro, there] * deg_h_per_raw(one, gyro)
+        reading = one.raw[gyro, there] * deg_h_per_raw(one, gyro) - _of_place(one, gyro, shapes)[there]
         rates = one.facts.profile.rate_deg_s
         before = np.concatenate(([0.0], rates))[segments]
         out.append(
@@ -85,6 +91,14 @@ def steps_of(found: Derivation, gyro: int) -> list[Steps]:
             )
         )
     return out
+
+
+def _of_place(one: Readings, gyro: int, shapes: Sequence[Shape]) -> Array:
+    """What acceleration and magnetic field add to a gyro's reading, (m,) [deg/h]."""
+    value = {shape.name: shape.value for shape in shapes if shape.gyro == gyro}
+    by_acceleration = np.array([value.get(name, 0.0) for name in ACCELERATION]) @ vertical(one)
+    added: Array = by_acceleration + value.get(MAGNETIC, 0.0) * (one.facts.axes[gyro] @ field(one))
+    return added
 
 
 def line(steps: Steps) -> tuple[Array, Array]:
