@@ -5,7 +5,8 @@ import json
 import shutil
 
 import pytest
-from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
+from archived_lab import CAMPAIGN, RUNS, sha256_of
+from small_unit import call, succeed
 
 from fogreduce.archive.software import source_files, source_folder
 from fogreduce.provenance.code import code_digest, digest_of, reduction_parts

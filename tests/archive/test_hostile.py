@@ -6,7 +6,8 @@ import os
 import h5py
 import numpy as np
 import pytest
-from archived_lab import CAMPAIGN, call, describe, faults, named, seal, sha256_of
+from archived_lab import CAMPAIGN, describe, faults, named, seal, sha256_of
+from small_unit import call
 
 from fogreduce.archive import walk
 

@@ -6,9 +6,11 @@ import unicodedata
 
 import bagit
 import pytest
-from archived_lab import CAMPAIGN, call, dump_yaml, run_yaml, succeed
+from archived_lab import CAMPAIGN, two_rates
+from small_unit import call, succeed
 
 from fogreduce.metadata.file_name import problem_of_file_name
+from fogreduce.metadata.yaml12 import dump_yaml
 
 LETTERS = "Prüfstand-Å 2é"
 TAKEN = [
@@ -103,7 +105,7 @@ def test_a_capture_of_such_a_name_is_refused_by_check(archived, tmp_path, name):
     campaign, _ = copied(archived, tmp_path)
     run = campaign / "runs" / "r1"
     (run / "capture.fogcap").rename(run / name)
-    data = run_yaml("r1")
+    data = two_rates("r1")
     data["capture"]["file"] = name
     (run / "run.yaml").write_text(dump_yaml(data))
     status, out, err = call("check", run, "--calibrations", archived.calibrations)
@@ -117,7 +119,7 @@ def archived_as(name, archived, root):
     campaign, arguments = copied(archived, root)
     run = campaign / "runs" / "r1"
     (run / "capture.fogcap").rename(run / name)
-    data = run_yaml("r1")
+    data = two_rates("r1")
     data["capture"]["file"] = name
     (run / "run.yaml").write_text(dump_yaml(data))
     results = root / "results"
@@ -156,7 +158,7 @@ def test_a_file_that_looks_the_same_and_is_spelt_otherwise(archived, tmp_path):
     campaign, _ = copied(archived, tmp_path)
     run = campaign / "runs" / "r1"
     (run / "capture.fogcap").rename(run / unicodedata.normalize("NFD", "é.fogcap"))
-    data = run_yaml("r1")
+    data = two_rates("r1")
     data["capture"]["file"] = unicodedata.normalize("NFC", "é.fogcap")
     (run / "run.yaml").write_text(dump_yaml(data))
     status, _, err = call("check", run, "--calibrations", archived.calibrations)

@@ -4,7 +4,8 @@ import json
 import random
 
 import pytest
-from archived_lab import CAMPAIGN, call, describe, seal
+from archived_lab import CAMPAIGN, describe, seal
+from small_unit import call
 
 RECORDS = (
     "data/archive.json",

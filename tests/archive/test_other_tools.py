@@ -5,7 +5,8 @@ import shutil
 
 import bagit
 import pytest
-from archived_lab import CAMPAIGN, call, sha256_of, succeed
+from archived_lab import CAMPAIGN, sha256_of
+from small_unit import call, succeed
 
 PAYLOAD, TAGS = "manifest-sha256.txt", "tagmanifest-sha256.txt"
 

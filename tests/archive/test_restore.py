@@ -9,7 +9,8 @@ from pathlib import Path
 
 import h5py
 import pytest
-from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
+from archived_lab import CAMPAIGN, RUNS, sha256_of
+from small_unit import call, succeed
 
 from fogreduce.metadata.yaml12 import load_yaml
 from fogreduce.provenance.cell import standard_uncertainty

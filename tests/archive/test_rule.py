@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from archived_lab import CAMPAIGN, RUNS, succeed
+from archived_lab import CAMPAIGN, RUNS
+from small_unit import succeed
 
 from fogreduce.provenance.versions import kept_versions
 

@@ -9,7 +9,8 @@ import sys
 import time
 
 import pytest
-from archived_lab import CAMPAIGN, call
+from archived_lab import CAMPAIGN
+from small_unit import call
 
 from fogreduce.provenance.code import reduction_parts
 

@@ -5,7 +5,8 @@ import random
 import shutil
 
 import pytest
-from archived_lab import CAMPAIGN, call, describe, faults, named, seal, sha256_of, succeed
+from archived_lab import CAMPAIGN, describe, faults, named, seal, sha256_of
+from small_unit import call, succeed
 
 RESULTS = f"data/results/{CAMPAIGN}"
 CAPTURE = f"data/campaigns/{CAMPAIGN}/runs/r1/capture.fogcap"

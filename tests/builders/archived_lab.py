@@ -2,16 +2,15 @@
 
 import contextlib
 import hashlib
-import io
 import json
 import shutil
 from pathlib import Path
 
 import pytest
+from small_unit import RECORD, run_yaml, succeed
 
 from fogreduce.archive.software import source_files, source_folder
 from fogreduce.archive.verify import verify
-from fogreduce.cli.main import main
 from fogreduce.errors import BadInput
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.provenance.code import digest_of, reduction_parts
@@ -19,56 +18,10 @@ from fogreduce.provenance.code import digest_of, reduction_parts
 CAMPAIGN = "c1"
 RUNS = ("r1", "r2")
 
-RECORD = {
-    "schema": "fogreduce/calibration/1",
-    "unit": "TETRA-01",
-    "version": "2012a",
-    "valid_from": "2012-06-01T00:00:00Z",
-    "procedure": "certificate 7",
-    "H": [[0.29, 0.29, 0.29, 0.5], [0.0, 0.71, -0.7, 0.0], [0.81, -0.41, -0.41, 0.0]],
-    "scale_factor_V_per_deg_s": [0.075, 0.09, 0.092, 0.075],
-    "bias_V": [1e-4, 6e-4, 2e-4, -4e-4],
-}
 
-
-def run_yaml(run_id):
+def two_rates(run_id):
     """Two rates, so that the tables have segments; each run turns the other way."""
-    rate = 10.0 if run_id == "r1" else -10.0
-    return {
-        "schema": "fogreduce/run/1",
-        "run_id": run_id,
-        "unit": "TETRA-01",
-        "started_at": "2014-05-12T13:00:00Z",
-        "site": {"latitude_deg": -23.2},
-        "table": {
-            "axis": "x",
-            "profile": [{"rate_deg_s": rate, "duration_s": 40.0}, {"rate_deg_s": 0.0, "duration_s": 30.0}],
-        },
-        "orientation": {"x": "up", "z": "north"},
-        "capture": {
-            "file": "capture.fogcap",
-            "format": "fogcap-1",
-            "sample_rate_hz": 16.0,
-            "volts_per_count": 1e-7,
-            "polarity": [1, -1, 1, 1],
-        },
-        "calibration": "TETRA-01@2012a",
-    }
-
-
-def call(*arguments):
-    """A command's exit status, standard output and standard error."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        status = main([str(argument) for argument in arguments])
-    return status, out.getvalue(), err.getvalue()
-
-
-def succeed(*arguments):
-    """Standard output of a command that must succeed."""
-    status, out, err = call(*arguments)
-    assert status == 0, err
-    return out
+    return run_yaml(run_id, [(10.0 if run_id == "r1" else -10.0, 40.0), (0.0, 30.0)])
 
 
 class ArchivedLab:
@@ -87,7 +40,7 @@ class ArchivedLab:
         for run_id in RUNS:
             folder = plan / "runs" / run_id
             folder.mkdir(parents=True)
-            (folder / "run.yaml").write_text(dump_yaml(run_yaml(run_id)))
+            (folder / "run.yaml").write_text(dump_yaml(two_rates(run_id)))
         (plan / "campaign.yaml").write_text(dump_yaml({"title": "two runs, made up for tests"}))
         made = self.campaigns / CAMPAIGN
         succeed("simulate", plan, "--calibrations", self.calibrations, "--out", made)

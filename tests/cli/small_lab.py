@@ -8,6 +8,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from small_unit import RECORD, run_yaml
 
 from fogreduce.metadata.yaml12 import dump_yaml
 
@@ -15,36 +16,8 @@ START_US = 1_399_899_600_000_000  # 2014-05-12T13:00:00Z
 SAMPLE_RATE_HZ = 16.0
 DURATION_S = 60.0
 RECORDS = 960
-VOLTS_PER_COUNT = 1e-7
 
-RUN = {
-    "schema": "fogreduce/run/1",
-    "run_id": "r1",
-    "unit": "TETRA-01",
-    "started_at": "2014-05-12T13:00:00Z",
-    "site": {"latitude_deg": -23.2},
-    "table": {"axis": "x", "profile": [{"rate_deg_s": 10.0, "duration_s": DURATION_S}]},
-    "orientation": {"x": "up", "z": "north"},
-    "capture": {
-        "file": "capture.fogcap",
-        "format": "fogcap-1",
-        "sample_rate_hz": SAMPLE_RATE_HZ,
-        "volts_per_count": VOLTS_PER_COUNT,
-        "polarity": [1, -1, 1, 1],
-    },
-    "calibration": "TETRA-01@2012a",
-}
-
-RECORD = {
-    "schema": "fogreduce/calibration/1",
-    "unit": "TETRA-01",
-    "version": "2012a",
-    "valid_from": "2012-06-01T00:00:00Z",
-    "procedure": "certificate 7",
-    "H": [[0.29, 0.29, 0.29, 0.5], [0.0, 0.71, -0.7, 0.0], [0.81, -0.41, -0.41, 0.0]],
-    "scale_factor_V_per_deg_s": [0.075, 0.09, 0.092, 0.075],
-    "bias_V": [1e-4, 6e-4, 2e-4, -4e-4],
-}
+RUN = run_yaml("r1", [(10.0, DURATION_S)], SAMPLE_RATE_HZ)
 
 
 def header(

@@ -3,7 +3,8 @@
 import json
 
 import pytest
-from test_check import RECORD, Lab, run_data
+from small_unit import RECORD
+from test_check import Lab, run_data
 
 from fogreduce.metadata.assumed import assumed_of_record, assumed_of_run
 from fogreduce.metadata.calibration import DEFAULT_NOISE, DEFAULT_UNCERTAINTY, CalibrationRecord

@@ -5,6 +5,7 @@ import struct
 from pathlib import Path
 
 import pytest
+from small_unit import RECORD, run_yaml
 
 from fogreduce.cli import check
 from fogreduce.errors import BadInput
@@ -24,35 +25,7 @@ def fogcap(n=4, rate=128.0, volts=1e-7, start=START_US, unit=b"TETRA-01", magic=
 
 
 def run_data(run_id: str) -> dict:
-    return {
-        "schema": "fogreduce/run/1",
-        "run_id": run_id,
-        "unit": "TETRA-01",
-        "started_at": "2014-05-12T13:00:00Z",
-        "site": {"latitude_deg": -23.2},
-        "table": {"axis": "x", "profile": [{"rate_deg_s": 10.0, "duration_s": 0.5}]},
-        "orientation": {"x": "up", "z": "north"},
-        "capture": {
-            "file": "capture.fogcap",
-            "format": "fogcap-1",
-            "sample_rate_hz": 128.0,
-            "volts_per_count": 1e-7,
-            "polarity": [1, -1, 1, 1],
-        },
-        "calibration": "TETRA-01@2012a",
-    }
-
-
-RECORD = {
-    "schema": "fogreduce/calibration/1",
-    "unit": "TETRA-01",
-    "version": "2012a",
-    "valid_from": "2012-06-01T00:00:00Z",
-    "procedure": "certificate 7",
-    "H": [[0.29, 0.29, 0.29, 0.5], [0.0, 0.71, -0.7, 0.0], [0.81, -0.41, -0.41, 0.0]],
-    "scale_factor_V_per_deg_s": [0.075, 0.09, 0.092, 0.075],
-    "bias_V": [1e-4, 6e-4, 2e-4, -4e-4],
-}
+    return run_yaml(run_id, [(10.0, 0.5)], 128.0)
 
 
 class Lab:

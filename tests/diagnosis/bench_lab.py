@@ -6,6 +6,8 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
+import small_unit
+
 from fogreduce.cli.main import main
 from fogreduce.metadata.yaml12 import dump_yaml
 
@@ -13,14 +15,10 @@ from fogreduce.metadata.yaml12 import dump_yaml
 RATES = (10.0, -10.0, 10.0, -10.0, 0.5, 0.0)
 AXES = {"x": {"x": "up", "z": "north"}, "y": {"y": "up", "x": "north"}, "z": {"z": "up", "y": "north"}}
 RECORD = {
-    "schema": "fogreduce/calibration/1",
+    **small_unit.RECORD,
     "unit": "U",
     "version": "1",
-    "valid_from": "2012-06-01T00:00:00Z",
     "procedure": "made up",
-    "H": [[0.29, 0.29, 0.29, 0.5], [0.0, 0.71, -0.7, 0.0], [0.81, -0.41, -0.41, 0.0]],
-    "scale_factor_V_per_deg_s": [0.075, 0.09, 0.092, 0.075],
-    "bias_V": [1e-4, 6e-4, 2e-4, -4e-4],
     "uncertainty": {
         "scale_factor_rel": [2e-5] * 4,
         "bias_V": [1e-9] * 4,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import html_checks
 import pytest
-from pages_lab import succeed
+from small_unit import succeed
 
 from fogreduce.pages.attention import attention, first_of_each, names_of, runs_to_see
 from fogreduce.pages.numbers import number

@@ -7,7 +7,8 @@ import html_checks
 import pytest
 from browser import chromium, evaluate, needs_browser, usable_ms
 from many_runs import many_runs
-from pages_lab import HOSTILE, succeed
+from pages_lab import HOSTILE
+from small_unit import succeed
 
 
 @pytest.fixture(scope="module")

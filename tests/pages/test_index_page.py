@@ -4,7 +4,8 @@ import html_checks
 import pytest
 from browser import evaluate, needs_browser
 from many_runs import many_runs
-from pages_lab import HOSTILE, succeed
+from pages_lab import HOSTILE
+from small_unit import succeed
 
 
 @pytest.fixture(scope="module")

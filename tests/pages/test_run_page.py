@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 
 import html_checks
 import pytest
-from pages_lab import RECORD, run_yaml, succeed
+from pages_lab import RECORD, run_yaml
+from small_unit import succeed
 
 from fogreduce.cli.main import main
 from fogreduce.metadata.yaml12 import dump_yaml

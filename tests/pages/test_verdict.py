@@ -11,7 +11,7 @@ from pathlib import Path
 import html_checks
 import pytest
 from many_runs import many_runs
-from pages_lab import succeed
+from small_unit import succeed
 
 from fogreduce.pages.history import outside
 from fogreduce.pages.verdict import combined, verdict

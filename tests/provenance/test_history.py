@@ -4,7 +4,8 @@ import json
 import shutil
 
 import pytest
-from archived_lab import CAMPAIGN, call, seal, succeed
+from archived_lab import CAMPAIGN, seal
+from small_unit import call, succeed
 
 from fogreduce.archive.verify import verify
 from fogreduce.provenance.history import history

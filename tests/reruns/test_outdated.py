@@ -4,7 +4,8 @@ import json
 import shutil
 
 import pytest
-from archived_lab import CAMPAIGN, call, succeed
+from archived_lab import CAMPAIGN
+from small_unit import call, succeed
 
 MADE_OF_IT = (
     "index.html",

@@ -5,8 +5,9 @@ import re
 import shutil
 
 import pytest
-from archived_lab import CAMPAIGN, RUNS, call, sha256_of, succeed
+from archived_lab import CAMPAIGN, RUNS, sha256_of
 from prov import model
+from small_unit import call, succeed
 
 from fogreduce.errors import BadInput
 from fogreduce.provenance.cell import CellName, error_columns, read_table, row_names
