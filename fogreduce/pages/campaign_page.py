@@ -29,6 +29,8 @@ _MORE_PAGES = (
 )
 #: So many failed runs stand at the top; all stand in the table of runs.
 _MOST_FAILED = 10
+#: So many rows of the table are laid out at first, where the page's script can show the rest.
+_MOST_FIRST = 200
 #: A choice among more ways of turning the table than these is no help.
 _MOST_CHOICES = 60
 
@@ -73,6 +75,7 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
         "rows": rows,
         "tables": tables if 1 < len(tables) <= _MOST_CHOICES else [],
         "fewest": FEWEST_RUNS,
+        "most_first": _MOST_FIRST,
         "versions": _versions(gathered.reduced),
         "assumed": _assumed(gathered.reduced),
     }

@@ -149,11 +149,28 @@ def test_it_filters_rows_and_points_and_says_how_many(page_of_many, tmp_path) ->
     charts = 4  # a run has one path in each: mean rates, drift, noise, temperature
     everything = [1000, 1000 * charts, "1000 of 1000 runs shown"]
     assert said == [
-        everything,
+        [*everything[:2], "first 200 of 1000 runs shown"],
         [50, 50 * charts, "50 of 1000 runs shown"],
         [1, charts, "1 of 1000 runs shown"],
         everything,
     ]
+
+
+LONG = """
+const rows = [...document.querySelectorAll('#runs-table tbody tr')];
+const laid_out = () => rows.filter((row) => row.offsetHeight > 0).length;
+const before = laid_out();
+document.querySelector('.controls button[type=reset]').click();
+await new Promise((done) => setTimeout(done, 50));
+return [before, laid_out()];
+"""
+
+
+@needs_browser
+def test_a_long_table_begins_with_its_first_rows(page_of_many, tmp_path) -> None:
+    said, console = evaluate(page_of_many, LONG, tmp_path)
+    assert console == []
+    assert said == [200, 1000]
 
 
 REACH = """

@@ -36,6 +36,7 @@
       const by = numeric ? a - b : a.localeCompare(b, "en", { numeric: true });
       return (down ? -by : by) || order.get(one) - order.get(other);
     });
+    whole();
     body.append(...rows);
     for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
     header.setAttribute("aria-sort", down ? "descending" : "ascending");
@@ -48,6 +49,11 @@
     button.addEventListener("click", () => sort(header, column));
     header.append(button);
   });
+
+  // A long table begins with its first rows: laying out all of them takes seconds.
+  function whole() {
+    table.classList.remove("first");
+  }
 
   function filter() {
     const wanted = words.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -65,11 +71,13 @@
     shown.textContent = number + " of " + rows.length + " runs shown";
   }
 
-  form.addEventListener("input", filter);
+  form.addEventListener("input", () => { whole(); filter(); });
   form.addEventListener("submit", (event) => event.preventDefault());
-  form.addEventListener("reset", () => setTimeout(filter));
+  form.addEventListener("reset", () => { whole(); setTimeout(filter); });
   form.hidden = false;
   filter();
+  const more = body.querySelectorAll(".more").length;
+  if (more) shown.textContent = "first " + (rows.length - more) + " of " + rows.length + " runs shown";
 
   // A point names its run under the pointer, and leads to its page.
   const byRun = new Map(rows.map((row) => [row.dataset.run, row]));
