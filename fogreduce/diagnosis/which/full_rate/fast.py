@@ -150,7 +150,7 @@ class Fast:
             for f in here:
                 if f.effect == "low_pass":
                     tau = float(f.parameters["time_constant_ms"][0])
-                    held *= self.levels.low_passed(tau)
+                    held *= self.levels.low_passed(tau, i)
             for f in mine:
                 if f.process is not None and f.channels == (f"gyro{i + 1}",):
                     held *= self.levels.beside(*f.process, i)

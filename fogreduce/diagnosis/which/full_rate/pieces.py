@@ -28,9 +28,14 @@ def drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0
     return flicker_density(flicker, hertz) + walk_density(walk, hertz)
 
 
-def filter_gain(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
-    """Power (taus, F) of white noise of variance 1 after the simulator's own low pass, as pieces show it.
+def filter_gains(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
+    """Power (3, taus, F) of white noise of variance 1 after a first-order low pass, as pieces show it.
 
+    What stands between the noise's samples and the filter is left open by its time constant alone: the
+    simulator's own filter, of noise straight from sample to sample; one that takes sample by sample,
+    ``y[k] = q y[k-1] + (1 - q) v[k]``, ``q = exp(-dt / tau)``; and one of noise white in continuous time,
+    sampled after it, whose correlation is ``q^|k|`` as well, at the level ``(x / 2) coth(x / 2)``,
+    ``x = dt / tau``, of what folds back (Astrom and Wittenmark, Computer-Controlled Systems, 1997, ch. 10).
     A piece's edges let the strong low lines leak into the weak high ones: that is in it.
 
     Parameters
@@ -40,7 +45,13 @@ def filter_gain(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
     frequency : (F,) array
         Lines of the pieces' spectrum, as fractions of the sample rate, one after another.
     """
-    return shown_by_pieces(_responses(tau_ms.tobytes(), rate_hz), frequency)
+    x = 1e3 / rate_hz / tau_ms[:, None]
+    q = np.exp(-x)
+    turn = 2.0 * np.pi * np.fft.fftfreq(FINE)
+    one_pole = (1.0 - q) ** 2 / (1.0 + q * q - 2.0 * q * np.cos(turn))
+    folded = one_pole * (0.5 * x / np.tanh(0.5 * x))
+    powers = np.array([_responses(tau_ms.tobytes(), rate_hz), one_pole, folded])
+    return shown_by_pieces(powers, frequency)
 
 
 def shown_by_pieces(power: Array, frequency: Array) -> Array:

@@ -16,7 +16,9 @@ from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.inference.evidence import log_bayes, log_mean_exp
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.observe.full_rate import FullRate
-from fogreduce.diagnosis.which.full_rate.pieces import filter_gain, shown_drift
+from fogreduce.diagnosis.which.full_rate.low_pass import filter_evidence, filter_logs
+from fogreduce.diagnosis.which.full_rate.pieces import filter_gains, shown_drift
+from fogreduce.diagnosis.which.full_rate.whittle import level_profile, mean_ratio, peak
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.table import EFFECTS
 from fogreduce.metadata.facts import RunFacts
@@ -26,7 +28,6 @@ Array = NDArray[np.float64]
 
 #: How well a record's white noise is taken to be known, relative: the contract does not state it.
 LEVEL_DOUBT = 0.02
-_TAUS_MS = np.geomspace(0.1, 200.0, 40)
 _LEVELS = LEVEL_DOUBT * np.array([3.0, 6.0, 12.0, 25.0, 60.0])
 _EDGES = 14
 _DRIFT_POWERS = np.geomspace(0.03, 3e5, 60)  # of a drift in the lowest line, over what the record states
@@ -83,20 +84,20 @@ class Levels:
             out[first : min(first + max((stop - first) // 4, 4), stop)] = True
         return out
 
-    def low_passed(self, tau_ms: float) -> Array:
-        """Power gain (F,) of the simulator's own low pass."""
-        gain = np.empty(len(self.frequency))
-        for rate in np.unique(self.rate_hz).tolist():
-            here = self.rate_hz == rate
-            gain[here] = filter_gain(np.array([tau_ms]), rate, self.frequency[here])[0]
-        return gain
+    def low_passed(self, tau_ms: float, i: int) -> Array:
+        """Power gain (F,) of the low pass of that time constant that the spectrum of gyro i speaks for."""
+        keep = self.keep[i] & (self.pieces[i] > 0.0)
+        gains = self.low_passes(np.array([tau_ms]))
+        logs = filter_logs(self.ratio[i, keep], self.pieces[i, keep], gains[..., keep], LEVEL_DOUBT)
+        result: Array = gains[int(np.argmax(logs)), 0]
+        return result
 
-    def low_passes(self) -> Array:
-        """Power gains (taus, F) of low passes of each of `_TAUS_MS`."""
-        gains = np.empty((len(_TAUS_MS), len(self.frequency)))
+    def low_passes(self, taus_ms: Array) -> Array:
+        """Power gains (3, taus, F) of low passes of each time constant, of each kind (`filter_gains`)."""
+        gains = np.empty((3, len(taus_ms), len(self.frequency)))
         for rate in np.unique(self.rate_hz).tolist():
             lines = self.frequency[self.rate_hz == rate]
-            gains[:, self.rate_hz == rate] = filter_gain(_TAUS_MS, rate, lines)
+            gains[..., self.rate_hz == rate] = filter_gains(taus_ms, rate, lines)
         return gains
 
     def white_level(self, mean: float, i: int, which: NDArray[np.bool_]) -> float:
@@ -242,19 +243,6 @@ def rounding_variance(facts: RunFacts, bits: Array) -> Array:
     return np.asarray(step**2 / 12.0, np.float64)
 
 
-def _profile(mean_ratio: Array, weight: float, spreads: Array) -> Array:
-    """Ln evidence, over that of the best level, of levels spread normally about the record's.
-
-    `mean_ratio`: power found over power expected; `weight`: how many exponential deviates it is the mean of;
-    `spreads`: standard deviations of ln level, each a hypothesis (..., len(spreads)).
-    """
-    found = 0.5 * np.log(np.maximum(mean_ratio, 1e-12))[..., None]
-    error = 0.5 / np.sqrt(weight)
-    width2 = spreads**2 + error**2
-    result: Array = -0.5 * found**2 / width2 - 0.5 * np.log(width2 / error**2)
-    return result
-
-
 def level_evidence(ratio: float, weight: float) -> tuple[float, float]:
     """Ln B of a level that is none of the record's, and twice the gain in ln likelihood.
 
@@ -265,8 +253,8 @@ def level_evidence(ratio: float, weight: float) -> tuple[float, float]:
     weight : float
         How many exponential deviates it is the mean of.
     """
-    nothing = float(_profile(np.array(ratio), weight, np.array([LEVEL_DOUBT]))[0])
-    anything = float(log_mean_exp(_profile(np.array(ratio), weight, _LEVELS)))
+    nothing = float(level_profile(np.array(ratio), weight, np.array([LEVEL_DOUBT]))[0])
+    anything = float(log_mean_exp(level_profile(np.array(ratio), weight, _LEVELS)))
     return anything - nothing, (0.5 * np.log(ratio)) ** 2 / (LEVEL_DOUBT**2 + 0.25 / weight)
 
 
@@ -296,11 +284,11 @@ def level_findings(
 
     def best_log(r: Array) -> Array:
         """Ln likelihood (..., F) at the best level."""
-        return -weight * (np.log(_mean(r, pieces)) + 1.0)
+        return -weight * (np.log(mean_ratio(r, pieces)) + 1.0)
 
     null_spread = np.array([2.0 if free else LEVEL_DOUBT])
-    mean = float(_mean(ratio, pieces))
-    nothing = float(best_log(ratio)) + float(_profile(np.array(mean), weight, null_spread)[0])
+    mean = float(mean_ratio(ratio, pieces))
+    nothing = float(best_log(ratio)) + float(level_profile(np.array(mean), weight, null_spread)[0])
     out: list[Finding] = []
 
     def add(
@@ -331,7 +319,9 @@ def level_findings(
     found, error = 0.5 * np.log(mean), 0.5 / np.sqrt(weight)
     level_snr2 = found**2 / (LEVEL_DOUBT**2 + error**2)
     if not free:
-        anything = float(best_log(ratio)) + float(log_mean_exp(_profile(np.array(mean), weight, _LEVELS)))
+        anything = float(best_log(ratio)) + float(
+            log_mean_exp(level_profile(np.array(mean), weight, _LEVELS))
+        )
         if "angle_random_walk" in allowed:
             value = lv.white_level(mean, i, keep)
             # of the whole power, whose part that is no white noise is exact
@@ -342,13 +332,10 @@ def level_findings(
         else:
             add("unknown", anything, level_snr2, {}, "white", "noise")
     if not filtered:
-        gains = lv.low_passes()[:, keep]
-        under = ratio / gains
-        logs = best_log(under) - np.log(gains) @ pieces
-        logs = logs + _profile(_mean(under, pieces), weight, null_spread)[:, 0]
-        tau, std = _peak(_TAUS_MS, logs)
-        snr2 = 2.0 * max(float(logs.max()) - nothing, 0.0)
-        log_z = float(log_mean_exp(logs))
+        log_z, top, tau, std = filter_evidence(
+            ratio, pieces, lambda taus: lv.low_passes(taus)[..., keep], float(null_spread[0]), nothing
+        )
+        snr2 = 2.0 * max(top - nothing, 0.0)
         if "low_pass" in allowed:
             add("low_pass", log_z, snr2, {"time_constant_ms": (tau, std)}, "band", "electronics")
         else:
@@ -359,8 +346,8 @@ def level_findings(
         gains = 1.0 + sizes[:, None] ** 2 * shape
         under = ratio / gains
         logs = best_log(under) - np.log(gains) @ pieces
-        logs = logs + _profile(_mean(under, pieces), weight, null_spread)[:, 0]
-        value, std = _peak(sizes, logs)
+        logs = logs + level_profile(mean_ratio(under, pieces), weight, null_spread)[:, 0]
+        value, std = peak(sizes, logs)
         snr2 = 2.0 * max(float(logs.max()) - nothing, 0.0)
         if effect in allowed:
             add(effect, float(log_mean_exp(logs)), snr2, {parameter: (value, std)}, "low_frequency", "noise")
@@ -372,12 +359,6 @@ def level_findings(
     # the level is that outside the band: as free as it is for nothing wrong
     add("unknown", nothing + float(log_mean_exp(logs)), best, {}, "band", "noise", 3)
     return out
-
-
-def _mean(ratio: Array, pieces: Array) -> Array:
-    """Means of ratios (..., F), each line with the weight of its pieces (F,)."""
-    result: Array = (ratio @ pieces) / pieces.sum()
-    return result
 
 
 def _bands(ratio: Array, pieces: Array) -> Array:
@@ -396,15 +377,3 @@ def _bands(ratio: Array, pieces: Array) -> Array:
         - outside * np.log((sums[-1] - within) / outside)
     )
     return np.maximum(q, 0.0)
-
-
-def _peak(grid: Array, logs: Array) -> tuple[float, float]:
-    """Where ln likelihood is highest, and its width, from a parabola in ln grid."""
-    k = int(np.clip(np.argmax(logs), 1, len(grid) - 2))
-    x = np.log(grid[k - 1 : k + 2])
-    a, b, _ = np.polyfit(x - x[1], logs[k - 1 : k + 2] - logs[k], 2)
-    if a >= 0.0:
-        return float(grid[int(np.argmax(logs))]), float(grid[k])
-    shift = float(np.clip(-b / (2.0 * a), x[0] - x[1], x[2] - x[1]))
-    value = float(np.exp(x[1] + shift))
-    return value, value / np.sqrt(-2.0 * a)

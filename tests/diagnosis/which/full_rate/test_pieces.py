@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis.observe.full_rate import FIRST_LINE, PIECE, straightened
-from fogreduce.diagnosis.which.full_rate.pieces import filter_gain, shown_drift
+from fogreduce.diagnosis.which.full_rate.pieces import filter_gains, shown_drift
 
 RATE, PIECES = 100.0, 6000
 FREQUENCY = np.fft.rfftfreq(PIECE)[FIRST_LINE:-1]
@@ -33,9 +33,24 @@ def test_a_filter_leaks_as_it_does(tau_ms: float) -> None:
     for k, one in enumerate(driven.tolist()):
         state = q * state + one
         y[k] = state
-    expected = filter_gain(np.array([tau_ms]), RATE, FREQUENCY)[0]
+    expected = filter_gains(np.array([tau_ms]), RATE, FREQUENCY)[0, 0]
     # a mean of 6,000 exponential deviates scatters by 1.3 %
     assert np.max(np.abs(shown(y) / expected - 1.0)) < 0.06
+
+
+def test_noise_whose_correlation_is_a_power_of_the_lag() -> None:
+    """Of variance 1 in: ``(1 - q)^2 / (1 - q^2)`` out sample by sample; of continuous noise ``x / 2``."""
+    tau_ms = 1e3 / RATE / 1.2
+    x, q = 1.2, np.exp(-1.2)
+    e = np.random.default_rng(3).standard_normal(PIECES * PIECE)
+    y, state = np.empty(len(e)), 0.0
+    for k, one in enumerate(((1.0 - q) * e).tolist()):
+        state = q * state + one
+        y[k] = state
+    _, one_pole, folded = filter_gains(np.array([tau_ms]), RATE, FREQUENCY)[:, 0]
+    assert np.max(np.abs(shown(y) / one_pole - 1.0)) < 0.06
+    variance = x / 2.0
+    assert np.allclose(folded / one_pole, variance * (1.0 + q) / (1.0 - q), rtol=1e-9)
 
 
 def test_a_walk_is_shown_as_its_increments_make_it() -> None:
