@@ -42,7 +42,7 @@ def draw_result(result: Allan, kind: Kind = "overlapping") -> Figure:
         below.set_xlabel("frequency [Hz]")
         for axes in (above, below):
             log_log(axes)
-        above.legend(loc="best", fontsize=8.5)
+        above.legend(loc="lower left", fontsize=8.5)
     rows[0][0].set_ylabel("Allan deviation [deg/h]")
     rows[1][0].set_ylabel("density [(deg/h)²/Hz]")
     handles = [
