@@ -147,7 +147,7 @@ def _checks(paper: _Paper, document: rows.Document) -> None:
         )
         if parity["alarms"]:
             columns = ("run", "check", "what", "since [s]", "noticed [s]", "size", "gyro", "evidence")
-            widths = (0.1, 0.07, 0.19, 0.09, 0.11, 0.07, 0.14, 0.23)
+            widths = (0.1, 0.07, 0.17, 0.09, 0.11, 0.07, 0.16, 0.23)
             paper.table(columns, widths, rows.alarms(document))
     for turn in turn_rows(document):
         paper.heading("The same turn about other axes")
