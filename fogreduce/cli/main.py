@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from fogreduce import __version__
-from fogreduce.cli.shortage import memory_fault, out_of_memory
+from fogreduce.cli.out_of_memory import memory_fault, out_of_memory
 from fogreduce.errors import BadInput, Fault, FogreduceError
 
 #: Subcommand -> (module of `fogreduce.cli`, what it does).

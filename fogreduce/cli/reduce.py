@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from fogreduce.cli.beside import beside
+from fogreduce.cli.forked import in_a_fork
 from fogreduce.cli.memory import keep_freed_memory
 from fogreduce.cli.options import add_calibrations
 from fogreduce.errors import BadInput
@@ -81,7 +81,7 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Reduce; the tables are byte for byte those of the workflow."""
-    manifest = beside(lambda: manifest_of(arguments))
+    manifest = in_a_fork(lambda: manifest_of(arguments))
     keep_freed_memory()
     from fogreduce.cli.flags import say_red_flags
     from fogreduce.cli.warnings import print_warnings

@@ -107,7 +107,7 @@ def rewritten(uses: Iterable[Use], digests: Mapping[str, str]) -> dict[str, list
 
 
 def refuse_rewritten(
-    record_id: str, sha256: str, calibrations: Path, out: Path, *, beside: bool = False
+    record_id: str, sha256: str, calibrations: Path, out: Path, *, neighbours: bool = False
 ) -> None:
     """BadInput where results were reduced with other bytes of a record than its file has now.
 
@@ -120,10 +120,10 @@ def refuse_rewritten(
     out : Path
         Folder that a run is to be reduced into; what it holds is looked at, and what the workflow noted of
         all results.
-    beside : bool
-        Whether to look into the folders beside it as well.
+    neighbours : bool
+        Whether to look into the folders next to it as well.
     """
-    folders = sorted(path.parent for path in out.parent.glob(f"*/{MANIFEST}")) if beside else [out]
+    folders = sorted(path.parent for path in out.parent.glob(f"*/{MANIFEST}")) if neighbours else [out]
     used = rewritten(uses_in(folders, out.parent), {record_id: sha256})
     known = _noted(out.parent.parent).get(record_id) or used.get(record_id)
     if known:

@@ -20,9 +20,15 @@ from fogreduce.simulate.capture import (
     simulated,
     write_capture,
 )
+from fogreduce.simulate.earlier_captures import (
+    Marks,
+    earlier_captures,
+    listed_of_others,
+    mark_of,
+    sole_simulation_in,
+)
 from fogreduce.simulate.forward import SimulatedBlock
 from fogreduce.simulate.from_curves import blocks_from_curves
-from fogreduce.simulate.own import Marks, alone_in, listed_of_others, mark_of, own_captures
 from fogreduce.simulate.plan import Plan
 from fogreduce.simulate.publish import published
 
@@ -56,7 +62,7 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, ove
     runs = {run_id: simulated(plan.runs[run_id]) for run_id in plan.chosen}
     places = {run_id: Path("runs", run_id, run.capture.file) for run_id, run in runs.items()}
     captures = {run_id: out / place for run_id, place in places.items()}
-    marks = own_captures(captures, injected_path(out), overwrite)
+    marks = earlier_captures(captures, injected_path(out), overwrite)
     done = 0
     with published(out) as folder:
         write_campaign_yaml(plan.folder, folder)
@@ -70,7 +76,7 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, ove
         marks += [mark for mark in made if mark not in marks]
         # Before the captures take their places, so that none stands there that is not listed; what another
         # process, which simulates other runs, has listed meanwhile stays.
-        with alone_in(injected_path(out).parent):
+        with sole_simulation_in(injected_path(out).parent):
             others = listed_of_others(places, injected_path(out))
             write_text(injected_path(out), _injected(plan, [*others, *marks]))
 

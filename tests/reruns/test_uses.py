@@ -58,7 +58,7 @@ def test_a_rewritten_record_is_refused_and_named_with_what_used_it(results: Path
     # A run that was never reduced: the folders beside it are looked at where asked, and the workflow's note.
     refuse_rewritten("U@a", NEW, calibrations, results / "lab" / "three")
     with pytest.raises(BadInput, match="one was reduced"):
-        refuse_rewritten("U@a", NEW, calibrations, results / "lab" / "three", beside=True)
+        refuse_rewritten("U@a", NEW, calibrations, results / "lab" / "three", neighbours=True)
     (results / REWRITTEN).write_text(json.dumps({"U@a": ["lab/one"]}))
     with pytest.raises(BadInput, match="lab/one was reduced"):
         refuse_rewritten("U@a", NEW, calibrations, results / "lab" / "three")

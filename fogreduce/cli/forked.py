@@ -12,7 +12,7 @@ from fogreduce.errors import FogreduceError
 Result = TypeVar("Result")
 
 
-def beside(function: Callable[[], Result]) -> Callable[[], Result]:
+def in_a_fork(function: Callable[[], Result]) -> Callable[[], Result]:
     """Start `function` in a forked process; the call returned waits for its result.
 
     To be used before any thread is started. What the function raises on purpose (FogreduceError) is raised

@@ -28,7 +28,7 @@ def mark_of(run_id: str, capture: Path) -> dict[str, object]:
     return {"run": run_id, "bytes": capture.stat().st_size, "head_sha256": head}
 
 
-def own_captures(captures: Mapping[str, Path], record: Path, overwrite: bool = True) -> Marks:
+def earlier_captures(captures: Mapping[str, Path], record: Path, overwrite: bool = True) -> Marks:
     """What an earlier simulation listed of captures that stand where these are to be written.
 
     Parameters
@@ -74,7 +74,7 @@ def listed_of_others(runs: Container[str], record: Path) -> Marks:
 
 
 @contextmanager
-def alone_in(folder: Path) -> Iterator[None]:
+def sole_simulation_in(folder: Path) -> Iterator[None]:
     """No other process that asks for the same is at work on the folder meanwhile."""
     folder.mkdir(parents=True, exist_ok=True)
     handle = os.open(folder, os.O_RDONLY)
