@@ -252,6 +252,14 @@ def test_the_oracle_closes_all_of_an_exact_gap_and_less_of_a_departed_one():
     assert departed["oracle_closure"] < 0.999
 
 
+def test_a_step_that_takes_its_time_is_known_at_the_instant_of_the_same_integral():
+    of = campaign(run(duration=200.0, temperature=False), **WHITE, bias_sd=(0.0,) * 3)
+    step = Entry("bias_step", ("gyro1",), ("r1",), {"deg_h": 2.0, "time_s": 100.0}, {"rise_s": 4.0})
+    closes = appraise(exact_world(of, (step,)), ALL, HEALTHY)["oracle_closure"]
+    # of (1 - exp(-t/r))^2 over 100 s, which is 100 - 1.5 r, the sudden step leaves r (2/e - 1/2)
+    assert 1.0 - closes == pytest.approx(4.0 * (2.0 / np.e - 0.5) / 94.0, rel=0.03)
+
+
 def test_nothing_wrong_has_no_label():
     assert appraise(exact_world(campaign()), ALL, HEALTHY) == {
         "effects": [],

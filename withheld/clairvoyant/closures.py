@@ -31,12 +31,23 @@ _LINK = ("dropouts", "spikes", "stuck_samples")
 
 
 def as_known(world: World) -> World:
-    """The world as a diagnoser could simulate it at best: the catalogue's shapes, the log's temperature."""
+    """The world as a diagnoser could simulate it at best: the catalogue's shapes, the log's temperature.
+
+    A step that takes its time is a sudden one of the same integral: later by its time constant.
+    """
     logged = {
         run: Temperature(heat.time_s, heat.electronics_degC, heat.sensor_degC, heat.sensor_degC)
         for run, heat in world.heat.items()
     }
-    return replace(world, heat=logged, entries=tuple(replace(e, departure={}) for e in world.entries))
+    return replace(world, heat=logged, entries=tuple(_catalogued(e) for e in world.entries))
+
+
+def _catalogued(entry: Entry) -> Entry:
+    rise = entry.departure.get("rise_s", 0.0)
+    parameters = dict(entry.parameters)
+    if rise:
+        parameters["time_s"] = entry.number("time_s") + rise
+    return replace(entry, parameters=parameters, departure={})
 
 
 def oracle_closure(world: World, inner: Metric) -> float | None:

@@ -81,6 +81,9 @@ class Closure:
     departure : float
         What causes that are not quite of the catalogue's shapes may leave, or hide by parameters that take
         some of it up: a standard deviation of the fraction.
+    departed : float
+        The fraction that the causes' departures from their shapes would leave, each of one standard
+        deviation.
     """
 
     measure: str
@@ -94,6 +97,7 @@ class Closure:
     held: tuple[HeldOut, ...] = ()
     at_full_rate: Mapping[Key, tuple[float, float]] = field(default_factory=dict)
     departure: float = 0.0
+    departed: float = 0.0
 
     @property
     def fraction(self) -> float:
@@ -180,6 +184,7 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         tuple(sums.held),
         alone,
         priors.DEPARTURE**2 if slow else 0.0,
+        sums.departed / max(sums.before.value - sums.expected, 1e-9),
     )
 
 
@@ -190,6 +195,7 @@ class _Sums:
     before: Sum = field(default_factory=Sum)
     after: Sum = field(default_factory=Sum)
     expected: float = 0.0
+    departed: float = 0.0
     placebo: list[float] = field(default_factory=list)
     held: list[HeldOut] = field(default_factory=list)
 
@@ -203,7 +209,8 @@ def _of_block_means(
     columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
     # what a converter does to block means is its own doing, of a phase that nobody knows
     codes = converter_means(data.inputs, causes, data.noise_raw(), search.ground.whiten.rows)
-    features = _features(search, families, slow)
+    shapes = _shapes(data, slow, search.ground.whiten.rows)
+    features = _features(search, families, slow, shapes)
     noisy = [_part(search, keep, causes, np.column_stack([columns, codes])) for keep in _KEPT]
     bare = noisy
     if _processes(causes) or codes.shape[1]:
@@ -222,6 +229,7 @@ def _of_block_means(
         sums.before.add_fold(plain[this], bare[this].y)
         sums.after.add_fold(measures[this], held.y - change)
         sums.expected += measures[this].expected
+        sums.departed += sum(float(z @ z) for z in map(measures[this].of, held.whiten(shapes).T))
         wrong = _placebo(search, slow, bare[other], bare[this])
         if wrong is not None:
             one, two = (plain[this].of(y) for y in (bare[this].y, bare[this].y - wrong))
@@ -282,11 +290,10 @@ def _shapes(data: Data, slow: Sequence[Cause], rows: Rows) -> Array:
     return np.column_stack([np.zeros((rows.total, 0)), *columns])
 
 
-def _features(search: Search, families: Sequence[Candidate], slow: Sequence[Cause]) -> Array:
+def _features(search: Search, families: Sequence[Candidate], slow: Sequence[Cause], shapes: Array) -> Array:
     """Columns (rows, m) [deg/h] of features, causes and their departures."""
     ground = search.ground.whiten
     model = modelled(search.data.inputs, slow, ground, search.ground.nominal)
-    shapes = _shapes(search.data, slow, ground.rows)
     room = _MOST_FEATURES - model.slopes.shape[1] - shapes.shape[1]
     wholes = [model.slopes]
     for family in families:

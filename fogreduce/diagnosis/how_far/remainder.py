@@ -140,14 +140,19 @@ def _less(finding: Finding, size: float) -> Finding:
 def borne_out(verdict: Verdict, closure: Closure, remainder: Remainder) -> Verdict:
     """The verdict that the test of what is left bears out.
 
-    `explained` is what closes, within the closure's error, and leaves nothing further.
+    `explained` is what closes, within the closure's error, and leaves nothing further. Where what is left is
+    no noise, it can only be the causes' departures from their shapes: then the closure must reach what these
+    would leave, at most what `explained` allows at all.
     """
     if verdict.word == "no_gap" or not verdict.state.causes:
         return verdict
-    closed = closure.fraction + 1.96 * closure.std >= priors.CLOSED
-    if closed and not remainder.further:
+    reach = priors.CLOSED
+    if remainder.significant:
+        reach = max(reach, 1.0 - max(priors.DEPARTURE**2, closure.departed))
+    if closure.fraction + 1.96 * closure.std >= reach and not remainder.further:
         return replace(verdict, word="explained")
-    unknown = verdict.unknown_probability
+    short = (reach - closure.fraction) / max(closure.std, 1e-9)
+    unknown = max(verdict.unknown_probability, 1.0 - _chance(short))
     if remainder.further:
         sigma = max(p.sigma for p in remainder.further)
         unknown = max(unknown, 1.0 - _chance(sigma))

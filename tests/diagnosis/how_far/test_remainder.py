@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
-from bench_lab import diagnosed, lab, simulated
+from bench_lab import RECORD, diagnosed, lab, simulated
 
 from fogreduce.diagnosis.how_far.closure import Closure
 from fogreduce.diagnosis.how_far.remainder import Remainder, borne_out
@@ -37,6 +41,46 @@ def test_explained_is_said_only_of_what_closes_and_leaves_nothing() -> None:
     left = judged("explained", 1.0, 0.01, place)
     assert left.word == "partly_explained"
     assert left.unknown_probability > 0.99
+
+
+def test_what_is_left_and_is_no_noise_must_be_as_little_as_departures_of_shape_leave() -> None:
+    def tested(fraction: float, std: float, p: float, departed: float) -> str:
+        closure = Closure("", "", 1000.0, 1000.0 * (1.0 - fraction), 0.0, 0.0, 1000.0 * std)
+        closure = replace(closure, departed=departed)
+        verdict = Verdict("explained", 1.0, 0.02, _Caused(), [], ())  # type: ignore[arg-type]
+        return borne_out(verdict, closure, Remainder(p, (), ())).word
+
+    # the interval of 0.887 +- 0.044 ends at 0.973: as noise it may pass, as a departure of 0.6 % it may not
+    assert tested(0.887, 0.044, 0.2, 0.003) == "explained"
+    assert tested(0.887, 0.044, 1e-4, 0.003) == "partly_explained"
+    # of a step that takes its time, as much may be left as is ever called explained
+    assert tested(0.887, 0.044, 1e-4, 0.3) == "explained"
+    assert tested(0.887, 0.040, 1e-4, 0.3) == "partly_explained"
+    assert tested(0.99, 0.004, 1e-9, 0.0) == "explained"
+
+
+def drifted(campaign: Path, gyro: int, deg_h: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Add a drift to a gyro (from 0) of all captures, which no effect of the simulator makes."""
+    for path in campaign.glob("runs/*/capture.fogcap"):
+        raw = path.read_bytes()
+        width = [("stamp", "<u8"), ("pulse", "<u4"), ("count", "<i4", (4,))]
+        records = np.frombuffer(raw[64:], dtype=np.dtype(width)).copy()
+        counts = deg_h(np.arange(len(records)) / 64.0) / 3600.0 / 1e-7
+        counts *= RECORD["scale_factor_V_per_deg_s"][gyro]
+        records["count"][:, gyro] += np.rint(counts).astype(int)
+        path.write_bytes(raw[:64] + records.tobytes())
+
+
+def test_a_slow_drift_of_another_shape_is_not_explained(tmp_path: Path) -> None:
+    """A drift with the square of time, of which a ramp closes nine tenths."""
+    lab(tmp_path, duration_s=300.0)
+    campaign = simulated(tmp_path, [])
+    drifted(campaign, 3, lambda t: 0.6 * (t / 300.0) ** 2)
+    out = diagnosed(tmp_path, campaign)
+    assert [c["effect"] for c in out["causes"]] == ["bias_ramp"]
+    assert out["closure"]["fraction"] < 0.96
+    assert out["verdict"] == "partly_explained"
+    assert out["unknown_probability"] > 0.9
 
 
 def test_a_warming_of_two_time_constants_resembles_a_warm_up(tmp_path) -> None:
