@@ -18,6 +18,8 @@ from fogreduce.pages import svg
 
 Array = NDArray[np.float64]
 
+_SURE = 0.999  # of causes that are all as probable a drawing says nothing
+
 
 def figures(diagnosis: Diagnosis, width: float = svg.WIDE) -> dict[str, str]:
     """SVG figures by file name, drawn for a width."""
@@ -42,7 +44,8 @@ def figures(diagnosis: Diagnosis, width: float = svg.WIDE) -> dict[str, str]:
         out["where.svg"] = _map(diagnosis, width)
         rows = [(place(p), p["share"], f"{100 * p['share']:.1f} %") for p in document["where"]]
         out["share.svg"] = svg.bars(rows, "parts of the whole gap", svg.BEFORE, 1.0, width)
-    if len(document["causes"]) > 1 or any(is_group(c) for c in document["causes"]):
+    doubtful = any(c["probability"] < _SURE for c in document["causes"])
+    if (len(document["causes"]) > 1 and doubtful) or any(is_group(c) for c in document["causes"]):
         members = [
             (titled(m), m["probability"], percent(m["probability"]))
             for c in document["causes"]
@@ -51,9 +54,11 @@ def figures(diagnosis: Diagnosis, width: float = svg.WIDE) -> dict[str, str]:
         label = "probability of each cause and its rivals"
         out["causes.svg"] = svg.bars(members, label, svg.AFTER, 1.0, width)
     if document["closure"] is not None and document["causes"]:
-        steps, label = waterfall(document), "how far the gap closes"
-        if steps:
-            out["waterfall.svg"] = svg.bars(steps, "what is left of the gap", svg.AFTER, 1.0, width)
+        falls = waterfall(document)
+        if falls:
+            words = "the gap, what each kind of cause takes away, what noise makes and what is left"
+            out["waterfall.svg"] = svg.steps(falls, words, width, mark=falls[-2].end)
+        label = "how far the gap closes"
         out["closure.svg"] = svg.bars(_closed(document["closure"]), label, svg.AFTER, 1.0, width)
     return out
 
@@ -66,21 +71,32 @@ def _closed(closure: Mapping[str, Any]) -> list[tuple[str, float, str]]:
     return rows
 
 
-def waterfall(document: Mapping[str, Any]) -> list[tuple[str, float, str]]:
-    """What is left of the gap as kind after kind of cause enters the simulator; empty for one cause."""
-    kinds, count = document["closure"]["kinds"], Counter(c["effect"] for c in document["causes"])
-    if len(document["causes"]) < 2 or not kinds:
+def waterfall(document: Mapping[str, Any]) -> list[svg.Step]:
+    """The gap, what kind after kind of cause takes away as it enters the simulator, what noise makes, what is
+    left; empty for one cause. Lengths are shares of all that was summed before, noise in it.
+    """
+    closure, count = document["closure"], Counter(c["effect"] for c in document["causes"])
+    if len(document["causes"]) < 2 or not closure["kinds"]:
         return []
-    rows, last = [("the gap, noise apart", 1.0, "100.0 %")], 0.0
-    for kind in kinds:
+    noise = min(closure["expected_if_closed"] / max(closure["before"], 1e-300), 1.0)
+    rows, last = [svg.Step("before, noise in it", "gap: 100.0 %", 0.0, 1.0, svg.BEFORE)], 0.0
+    for kind in closure["kinds"]:
         name = EFFECTS[kind["effect"]].title
         if count[kind["effect"]] > 1:
             name += f", {count[kind['effect']]} places"
-        left = 1.0 - kind["cumulative"]
-        share = f"{100 * (last - kind['cumulative']):+.1f} % to {100 * left + 0.0:.1f} %"
-        rows.append((name, max(left, 0.0), share.replace("-", "\N{MINUS SIGN}")))
+        start, end = (noise + (1.0 - closed) * (1.0 - noise) for closed in (last, kind["cumulative"]))
+        rows.append(svg.Step(name, _percent(last - kind["cumulative"], "+.1f"), start, end, svg.AFTER))
         last = kind["cumulative"]
-    return rows
+    words = f"{_percent(noise / max(1.0 - noise, 1e-9), '.2g')} beside it"
+    rows.append(svg.Step("what noise explains", words, 0.0, noise, svg.QUIET))
+    left = noise + (1.0 - closure["fraction"]) * (1.0 - noise)
+    error = f" \N{PLUS-MINUS SIGN} {max(100 * closure['std'], 0.1):.1f} %"
+    words = _percent(1.0 - closure["fraction"], ".1f").removesuffix(" %") + error
+    return [*rows, svg.Step("what is left of the gap", words, noise, left, svg.BEFORE)]
+
+
+def _percent(share: float, digits: str) -> str:
+    return f"{100 * share + 0.0:{digits}} %".replace("-", "\N{MINUS SIGN}")
 
 
 def _map(diagnosis: Diagnosis, width: float) -> str:

@@ -255,11 +255,11 @@ def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str,
     if "waterfall.svg" not in drawn:
         return ""
     closure = d["closure"]
-    noise = min(closure["expected_if_closed"] / max(closure["before"], 1e-300), 1.0)
     text = (
         "<h2>Kind by kind</h2><p>The simulator with one kind of cause after the other in it, the one that "
-        f"closes most first. Of what was summed before, noise makes {100 * noise:.2g} %.</p>"
-        + both("waterfall.svg", drawn, slim)
+        "closes most first; each bar is what it takes away, in per cent of the gap. The broken line is what "
+        "noise and stated uncertainties make: down to there a gap is closed, and chance may lead a little "
+        "beyond. A kind opens into its gyros and runs.</p>" + both("waterfall.svg", drawn, slim)
     )
     for kind in closure["kinds"]:
         mine = sorted(

@@ -81,20 +81,48 @@ def bars(
     Negative lengths are drawn as none. In a slim figure names stand above their bars.
     """
     largest = full or max([abs(length) for _, length, _ in rows] or [1.0]) or 1.0
+    each = [Step(name, text, 0.0, max(length, 0.0) / largest, colour) for name, length, text in rows]
+    return steps(each, label, width, ground=full is not None)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A bar from `start` to `end`, of 1 at most: its name, what stands behind it, its colour."""
+
+    name: str
+    text: str
+    start: float
+    end: float
+    colour: str
+
+
+def steps(
+    rows: Sequence[Step], label: str, width: float = WIDE, ground: bool = True, mark: float | None = None
+) -> str:
+    """Horizontal bars, each where it begins and ends, one below the other.
+
+    In a slim figure names stand above their bars. `ground`: whether each stands on a pale bar of 1;
+    `mark`: where a broken line crosses each.
+    """
     slim = width <= 2 * SLIM
     left, step, low, body = (0.0, 46, 20, []) if slim else (360.0, 26, 0, [])
     room = width - left - (0 if slim else 150)
-    for k, (name, length, text) in enumerate(rows):
+    for k, row in enumerate(rows):
         y = 8 + step * k
-        long = max(min(max(length, 0.0) / largest, 1.0) * room, 1.0)
-        body.append(text_at(*((0, y + 14, name) if slim else (left - 8, y + 14, name, "end"))))
-        if full:
+        start, end = (room * min(max(x, 0.0), 1.0) for x in sorted((row.start, row.end)))
+        long = max(end - start, 1.0)
+        body.append(text_at(*((0, y + 14, row.name) if slim else (left - 8, y + 14, row.name, "end"))))
+        if ground:
             body.append(f'<rect x="{left}" y="{y + low}" width="{room}" height="18" fill="{EMPTY}"/>')
-        body.append(f'<rect x="{left}" y="{y + low}" width="{long:.1f}" height="18" fill="{colour}"/>')
+        bar = f'x="{left + min(start, room - long):.1f}" y="{y + low}" width="{long:.1f}"'
+        body.append(f'<rect {bar} height="18" fill="{row.colour}"/>')
         if slim:
-            body.append(text_at(width, y + 14, text, "end", QUIET))
+            body.append(text_at(width, y + 14, row.text, "end", QUIET))
         else:
-            body.append(text_at(left + (room if full else long) + 6, y + 14, text, colour=QUIET))
+            body.append(text_at(left + (room if ground else end) + 6, y + 14, row.text, colour=QUIET))
+        if mark is not None:
+            line = f"M{left + room * mark:.1f},{y + low - 4}v26"
+            body.append(f'<path d="{line}" stroke="{INK}" stroke-dasharray="4 3"/>')
     return stand_alone(16 + step * len(rows), body, label, width)
 
 

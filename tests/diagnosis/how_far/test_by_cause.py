@@ -32,3 +32,11 @@ def test_kinds_close_what_their_causes_do_and_open_into_them(tmp_path) -> None:
     part = page[page.index("Kind by kind") :]
     opened = part[part.index("<details>") :].split("</details>")[:2]
     assert sorted("gyro1" in text and "gyro2" in text for text in opened) == [False, True]
+    drawn = (tmp_path / "out-bench" / "figures" / "waterfall.svg").read_text()
+    for name in (
+        "before, noise in it",
+        "bias offset, 2 places",
+        "what noise explains",
+        "what is left of the gap",
+    ):
+        assert name in drawn

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
+from fogreduce.diagnosis.report.figures import waterfall
 from fogreduce.diagnosis.report.page import _links, _runs
 from fogreduce.diagnosis.report.words import announced, headline, measured, percent, sizes
 from fogreduce.pages import svg
@@ -88,3 +89,23 @@ def test_in_the_results_the_page_links_back_to_campaign_and_runs() -> None:
     assert 'href="../index.html"' in _links(found)
     assert '<a href="../r2/index.html">r2</a>' in _runs(found, True)
     assert _runs(found, False) == "Runs: r&lt;1&gt;, r2."
+
+
+def test_a_waterfall_goes_from_the_gap_down_to_noise() -> None:
+    """0.7 and 0.28 of a gap of 900 over 100 of noise: bars end where the next ones begin."""
+    kinds = [{"effect": "bias_offset", "cumulative": 0.7}, {"effect": "bias_ramp", "cumulative": 0.98}]
+    closure = {"before": 1000.0, "expected_if_closed": 100.0, "fraction": 0.98, "std": 0.012, "kinds": kinds}
+    causes = [{"effect": "bias_offset"}, {"effect": "bias_offset"}, {"effect": "bias_ramp"}]
+    rows = waterfall({"closure": closure, "causes": causes})
+    ends = [(row.start, row.end) for row in rows]
+    expected = [(0.0, 1.0), (1.0, 0.37), (0.37, 0.118), (0.0, 0.1), (0.1, 0.118)]
+    assert ends == [pytest.approx(pair) for pair in expected]
+    assert [row.text for row in rows[1:3]] == ["\N{MINUS SIGN}70.0 %", "\N{MINUS SIGN}28.0 %"]
+    assert rows[-1].text == "2.0 \N{PLUS-MINUS SIGN} 1.2 %"
+    assert waterfall({"closure": closure, "causes": causes[:1]}) == []
+    for width in (svg.WIDE, svg.SLIM):
+        drawn = ET.fromstring(svg.steps(rows, "a waterfall", width, mark=0.1))
+        bars = [r for r in drawn.iter("{http://www.w3.org/2000/svg}rect") if r.get("fill") == svg.AFTER]
+        assert float(bars[0].get("x")) == pytest.approx(
+            float(bars[1].get("x")) + float(bars[1].get("width")), abs=0.11
+        )
