@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.how_far.closure import Closure, HeldOut, Key, Sum
+from fogreduce.diagnosis.how_far.closure import Closure, HeldOut, Key, Sum, scatter
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.model import simulated
 from fogreduce.diagnosis.observe.capture import RunInput
@@ -110,8 +110,8 @@ class _Subsets:
             self._add(after, held, taken)
         for key, (one, two) in whole.at_full_rate.items():
             after.add(two if key in taken else one)
-        sums = (whole.before, after.value, whole.expected, whole.before_std, after.std)
-        return Closure(whole.measure, whole.held_out, *sums)
+        noise = scatter(whole.summed, after, whole.expected)
+        return Closure(whole.measure, whole.held_out, whole.before, after.value, whole.expected, noise)
 
     def _add(self, after: Sum, held: HeldOut, taken: frozenset[Key]) -> None:
         mine = [c for c in held.causes if c.key in taken]

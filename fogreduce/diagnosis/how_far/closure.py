@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
-from fogreduce.diagnosis.how_far.measure import Deviates, Part, deviates
+from fogreduce.diagnosis.how_far.measure import Deviates, Part, deviates, scattered
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
@@ -70,8 +70,8 @@ class Closure:
     ----------
     measure, held_out : str
     before, after, expected : float
-    before_std, after_std : float
-        Standard deviations of the sums, as sums of squares of normal deviates.
+    noise : float
+        Standard deviation of the fraction from noise.
     placebo : float or None
         The fraction that a wrong effect, fitted as hard, would close.
     held : tuple of HeldOut
@@ -84,6 +84,8 @@ class Closure:
     departed : float
         The fraction that the causes' departures from their shapes would leave, each of one standard
         deviation.
+    summed : Sum
+        What `before` is the sum of.
     """
 
     measure: str
@@ -91,13 +93,13 @@ class Closure:
     before: float
     after: float
     expected: float
-    before_std: float = 0.0
-    after_std: float = 0.0
+    noise: float = 0.0
     placebo: float | None = None
     held: tuple[HeldOut, ...] = ()
     at_full_rate: Mapping[Key, tuple[float, float]] = field(default_factory=dict)
     departure: float = 0.0
     departed: float = 0.0
+    summed: Sum = field(default_factory=lambda: Sum())
 
     @property
     def fraction(self) -> float:
@@ -107,10 +109,8 @@ class Closure:
 
     @property
     def std(self) -> float:
-        """Its standard deviation: those of the two sums, and departures'."""
-        gap = max(self.before - self.expected, 1e-9)
-        noise = np.hypot(self.after_std, (1.0 - self.fraction) * self.before_std) / gap
-        return float(np.hypot(noise, self.departure))
+        """Its standard deviation: noise's, and departures'."""
+        return float(np.hypot(self.noise, self.departure))
 
 
 @dataclass
@@ -121,25 +121,41 @@ class Sum:
     they were one. Statistics of the full rate are on their own.
     """
 
-    value: float = 0.0
-    _folds: float = 0.0
-    _others: float = 0.0
+    folds: list[tuple[Array, Array]] = field(default_factory=list)
+    others: list[float] = field(default_factory=list)
 
     @property
-    def std(self) -> float:
-        """Standard deviation of the sum."""
-        return float(np.sqrt(self._folds**2 + self._others))
+    def value(self) -> float:
+        """The sum."""
+        return float(sum(z @ z for z, _ in self.folds) + sum(self.others))
 
     def add_fold(self, deviates: Deviates, y: Array) -> None:
         """A fold's whitened residual (rows,)."""
-        z = deviates.of(y)
-        self.value += float(z @ z)
-        self._folds += deviates.std(z)
+        self.folds.append((deviates.of(y), deviates.spread))
 
     def add(self, value: float) -> None:
         """A squared deviate of one degree of freedom."""
-        self.value += value
-        self._others += 2.0 + 4.0 * max(value - 1.0, 0.0)
+        self.others.append(value)
+
+
+def scatter(before: Sum, after: Sum, expected: float) -> float:
+    """Standard deviation of the fraction that closes, from noise, which both sums have alike.
+
+    To first order the fraction f changes by that of (1 - f) before - after, over the gap: what a cause leaves
+    alone drops out but for f of its noise.
+    """
+    gap = max(before.value - expected, 1e-9)
+    left = (after.value - expected) / gap
+    folds = sum(
+        np.sqrt(scattered(left, zb, za, sb, sa))
+        for (zb, sb), (za, sa) in zip(before.folds, after.folds, strict=True)
+    )
+    one = np.eye(1)
+    others = sum(
+        scattered(left, np.sqrt([max(b, 0.0)]), np.sqrt([max(a, 0.0)]), one, one)
+        for b, a in zip(before.others, after.others, strict=True)
+    )
+    return float(np.sqrt(folds**2 + others) / gap)
 
 
 def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) -> Closure:
@@ -178,13 +194,13 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         sums.before.value,
         sums.after.value,
         sums.expected,
-        sums.before.std,
-        sums.after.std,
+        scatter(sums.before, sums.after, sums.expected),
         float(np.clip(np.mean(sums.placebo), -1.0, 1.0)) if sums.placebo else None,
         tuple(sums.held),
         alone,
         priors.DEPARTURE**2 if slow else 0.0,
         sums.departed / max(sums.before.value - sums.expected, 1e-9),
+        sums.before,
     )
 
 

@@ -71,11 +71,21 @@ class Deviates:
         """Sum of their squares under noise and stated uncertainties alone."""
         return float(np.trace(self.spread))
 
-    def std(self, z: Array) -> float:
-        """Standard deviation of the sum of squares of deviates z (r,)."""
-        noise = float(np.sum(self.spread**2))
-        whole = max(float(z @ self.spread @ z) - noise, 0.0)
-        return float(np.sqrt(2.0 * noise + 4.0 * whole))
+
+def scattered(left: float, before: Array, after: Array, of_before: Array, of_after: Array) -> float:
+    """Variance of |after|^2 - left |before|^2, deviates (r,) of covariances (r, r) under noise.
+
+    Both have the same noise, unless they are of different metrics.
+    """
+    if len(before) != len(after):
+        return _of_squares(after, of_after, 1.0) + left**2 * _of_squares(before, of_before, 1.0)
+    return _of_squares(after - left * before, of_after, 1.0 - left)
+
+
+def _of_squares(z: Array, spread: Array, share: float) -> float:
+    """Of a sum of squares, z with `share` of the noise in it."""
+    noise = share**2 * float(np.sum(spread**2))
+    return 2.0 * noise + 4.0 * max(float(z @ spread @ z) - noise, 0.0)
 
 
 def deviates(whole: Part, folds: Sequence[Part], columns: Array) -> list[Deviates]:

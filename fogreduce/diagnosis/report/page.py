@@ -240,10 +240,13 @@ def _does(cause: Mapping[str, Any]) -> str:
 
 
 def _closure(closure: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
+    placebo = ""
+    if "placebo_fraction" in closure:
+        placebo = " A wrong effect, fitted just as hard, should close nothing."
     return (
         "<h2>How far the gap closes</h2><p>The simulator was run again with the causes in it and held "
-        f"against data that the fit had not seen ({escape(closure['held_out'])}). A wrong effect, fitted "
-        f"just as hard, should close nothing.</p>{both('closure.svg', drawn, slim)}"
+        f"against data that the fit had not seen ({escape(closure['held_out'])}).{placebo}</p>"
+        f"{both('closure.svg', drawn, slim)}"
         f"<p>In numbers: {closure['before']:.1f} before, {closure['after']:.1f} after, "
         f"{closure['expected_if_closed']:.1f} expected if nothing were left "
         f'<span class="quiet">({escape(closure["measure"])})</span>.</p>'

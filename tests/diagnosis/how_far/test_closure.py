@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from bench_lab import diagnosed, lab, simulated
 
-from fogreduce.diagnosis.how_far.closure import Closure, Sum
-from fogreduce.diagnosis.how_far.measure import Deviates
+from fogreduce.diagnosis.how_far.closure import Closure, Sum, scatter
 
 
 def test_a_gap_that_closes_to_its_expectation_is_closed() -> None:
@@ -22,31 +21,44 @@ class _Plain:
     """Deviates of ten features that count as they are."""
 
     spread = np.eye(10)
-    std = Deviates.std
 
     def of(self, y: np.ndarray) -> np.ndarray:
         return y
 
 
-def test_the_standard_deviation_is_that_of_two_folds_that_share_their_errors() -> None:
-    """Each fold: a closed gap in ten features, chi-square of ten degrees; the same noise in both."""
+def both(*deviates: np.ndarray) -> Sum:
+    out = Sum()
+    for one in deviates:
+        out.add_fold(_Plain(), one)  # type: ignore[arg-type]
+    return out
+
+
+@pytest.mark.parametrize("closed", [0.0, 0.3, 1.0])
+def test_the_standard_deviation_is_that_of_two_folds_that_share_their_errors(closed: float) -> None:
+    """Ten features, the same noise in both folds, before and after: what a cause leaves alone, it does not
+    make uncertain.
+    """
     generator = np.random.default_rng(3)
-    found = []
-    for _ in range(4000):
-        noise, after = generator.standard_normal(10), Sum()
-        for _ in range(2):
-            after.add_fold(_Plain(), noise)  # type: ignore[arg-type]
-        found.append(Closure("", "", 1020.0, after.value, 20.0, 0.0, after.std))
-    stds = [one.std for one in found]
-    assert np.sqrt(np.mean(np.square(stds))) == pytest.approx(np.std([c.fraction for c in found]), rel=0.2)
+    gap = np.zeros(10)
+    gap[:2] = np.sqrt(500.0 * np.array([closed, 1.0 - closed]))
+    rest = gap * np.array([0.0, *np.ones(9)])
+    found, stds = [], []
+    for _ in range(3000):
+        noise = generator.standard_normal(10)
+        before, after = both(gap + noise, gap + noise), both(rest + noise, rest + noise)
+        found.append(Closure("", "", before.value, after.value, 20.0).fraction)
+        stds.append(scatter(before, after, 20.0))
+    assert np.mean(found) == pytest.approx(closed, abs=0.01)
+    assert np.sqrt(np.mean(np.square(stds))) == pytest.approx(np.std(found), rel=0.2, abs=1e-9)
 
 
 def test_statistics_of_the_full_rate_have_errors_of_their_own() -> None:
-    both = Sum()
-    both.add(1.0)
-    both.add(101.0)
-    assert both.value == 102.0
-    assert both.std == pytest.approx(np.sqrt(2.0 + 2.0 + 400.0))
+    before, after = Sum(), Sum()
+    for value, left in ((101.0, 1.0), (901.0, 901.0)):
+        before.add(value)
+        after.add(left)
+    # a tenth closes, of deviates 10 and 30: 2 (0.9 10) and 2 (0.1 30) of 1000
+    assert scatter(before, after, 2.0) == pytest.approx(2.0 * np.hypot(9.0, 3.0) / 1000.0, rel=0.1)
 
 
 def test_a_link_that_loses_readings_closes_its_own_part_beside_an_offset(tmp_path: Path) -> None:

@@ -67,7 +67,7 @@ def test_expectation_and_scatter_under_noise_alone() -> None:
         z = one.of(folds[0].y)
         sums.append(float(z @ z))
     assert np.mean(sums) == pytest.approx(one.expected, rel=0.1)
-    assert np.std(sums) == pytest.approx(one.std(np.zeros(len(z))), rel=0.15)
+    assert np.std(sums) == pytest.approx(np.sqrt(2.0 * np.sum(one.spread**2)), rel=0.15)
 
 
 def test_a_fold_without_a_feature_leaves_it_to_the_other() -> None:

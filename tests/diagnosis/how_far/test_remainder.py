@@ -28,7 +28,7 @@ def judged(word: str, fraction: float, std: float, *further: Place) -> Verdict:
     """A verdict of one cause, tested with a closure of `fraction` +- `std` and what is left further."""
     gap, expected = 10000.0, 100.0
     after = expected + (1.0 - fraction) * gap
-    closure = Closure("", "", expected + gap, after, expected, 0.0, std * gap)
+    closure = Closure("", "", expected + gap, after, expected, std)
     remainder = Remainder(0.5 if not further else 1e-6, further, further)
     return borne_out(Verdict(word, 1.0, 0.02, _Caused(), [], ()), closure, remainder)  # type: ignore[arg-type]
 
@@ -45,7 +45,7 @@ def test_explained_is_said_only_of_what_closes_and_leaves_nothing() -> None:
 
 def test_what_is_left_and_is_no_noise_must_be_as_little_as_departures_of_shape_leave() -> None:
     def tested(fraction: float, std: float, p: float, departed: float) -> str:
-        closure = Closure("", "", 1000.0, 1000.0 * (1.0 - fraction), 0.0, 0.0, 1000.0 * std)
+        closure = Closure("", "", 1000.0, 1000.0 * (1.0 - fraction), 0.0, std)
         closure = replace(closure, departed=departed)
         verdict = Verdict("explained", 1.0, 0.02, _Caused(), [], ())  # type: ignore[arg-type]
         return borne_out(verdict, closure, Remainder(p, (), ())).word
