@@ -1,7 +1,7 @@
 """Two writers of one folder at once: one does its work whole, the other is told and writes nothing.
 
 Commands are forked from this process, whose imports they share, so that twenty overlaps of each pair take
-minutes; the workflow is a process of its own. `FOGREDUCE_OVERLAPS` sets how many overlaps of each pair are made.
+minutes; the workflow is a process of its own. `FOGREDUCE_OVERLAPS`: how many overlaps of each pair are made.
 """
 
 from __future__ import annotations

@@ -10,13 +10,10 @@ from pathlib import Path
 import pytest
 from small_campaign import ASIDE, BIN, PATIENCE_S, ROOT, write_captures
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(
-        importlib.util.find_spec("snakemake_storage_plugin_fs") is None or shutil.which("rsync") is None,
-        reason="needs snakemake-storage-plugin-fs and rsync, which the README's commands do not install",
-    ),
-]
+needs_the_plugin = pytest.mark.skipif(
+    importlib.util.find_spec("snakemake_storage_plugin_fs") is None or shutil.which("rsync") is None,
+    reason="needs snakemake-storage-plugin-fs and rsync, which the README's commands do not install",
+)
 
 
 def contents(results: Path) -> dict[str, bytes]:
@@ -30,6 +27,26 @@ def contents(results: Path) -> dict[str, bytes]:
     }
 
 
+def test_a_worker_has_the_table_of_runs_and_no_campaigns(tmp_path: Path) -> None:
+    """What Snakemake brings to a worker is its sources and configuration: the table of runs among them."""
+    write_captures(tmp_path, ("a", "b"))
+    shutil.copytree(ROOT / "calibrations", tmp_path / "calibrations")
+    call = [BIN / "snakemake", "--cores", "2", "--snakefile", ROOT / "Snakefile"]
+    subprocess.run([*call, "--dry-run"], cwd=tmp_path, check=True, capture_output=True)
+    (table,) = (tmp_path / ".snakemake" / "fogreduce").iterdir()
+    worker = tmp_path / "worker"
+    shutil.copytree(tmp_path / ".snakemake" / "fogreduce", worker / ".snakemake" / "fogreduce")
+    part = ["--mode", "remote", "--shared-fs-usage", "none", "--list-rules"]
+    listed = subprocess.run([*call, *part], cwd=worker, check=True, capture_output=True, text=True)
+    assert "remove_earth" in listed.stdout
+    (worker / table.relative_to(tmp_path)).unlink()
+    without = subprocess.run([*call, *part], cwd=worker, check=False, capture_output=True, text=True)
+    assert without.returncode == 2
+    assert "campaigns: found no such folder" in without.stderr
+
+
+@needs_the_plugin
+@pytest.mark.slow
 def test_results_are_those_of_a_shared_file_system(tmp_path: Path) -> None:
     """A captured campaign and one whose captures are made, with figures."""
     write_captures(tmp_path, ("a", "b"))

@@ -20,9 +20,7 @@ rule make_campaign:
 rule make_capture:
     input:
         about=files_of_campaign,
-        run=lambda wildcards: files_in(
-            f"{CONFIG.campaigns_dir}/{wildcards.campaign}/runs/{wildcards.run}"
-        ),
+        run=lambda wildcards: files_of_run(wildcards.campaign, wildcards.run),
         calibrations=calibration_inputs,
     output:
         directory(f"{MADE}/{{campaign}}/runs/{{run}}"),

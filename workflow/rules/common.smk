@@ -4,16 +4,14 @@ import atexit
 import hashlib
 import json
 import os
-import re
 import shlex
 import sys
-from contextlib import ExitStack
-from functools import lru_cache
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from fogreduce.reruns.clock import faults_of_inputs, make_old
 from fogreduce.provenance.code import code_digest
-from fogreduce.provenance.digest import file_digest
+from fogreduce.provenance.digest import data_digest, file_digest
 from fogreduce.reruns.edited import edited, notes_of
 from fogreduce.reruns.uses import REWRITTEN, rewritten, some_of, uses_in
 from fogreduce.datasets.atomic import write_text
@@ -21,14 +19,8 @@ from fogreduce.datasets.readers.installed import installed_readers, software_of
 from fogreduce.datasets.sole_writer import WORKFLOW, sole_writer, writers_inside
 from fogreduce.errors import BadInput
 from fogreduce.metadata.config import WorkflowConfig
-from fogreduce.metadata.file_name import problem_of_file_name
-from fogreduce.metadata.folder import (
-    find_runs,
-    is_name,
-    list_campaigns,
-    load_campaign,
-    several_records,
-)
+from fogreduce.metadata.folder import several_records
+from fogreduce.metadata.run_table import RunTable, list_runs
 
 
 def stop(faults):
@@ -66,30 +58,43 @@ wildcard_constraints:
     run=r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}",
 
 
-def campaign_folders():
-    """The campaigns of the configuration, by name."""
-    folders = {
-        path.name: path for path in checked(list_campaigns, CONFIG.campaigns_dir)
-    }
-    missing = [name for name in CONFIG.campaigns if name not in folders]
-    if missing:
-        stop(
-            f"{CONFIG.campaigns_dir}: found no campaign {missing[0]}; expected one, as configured"
-        )
-    return {name: folders[name] for name in CONFIG.campaigns or sorted(folders)}
+#: What planning needs of campaigns and records: listed here, read by the workers, who may have none of them.
+TABLE_FILE = Path(".snakemake", "fogreduce") / (
+    data_digest([CONFIG.campaigns_dir, CONFIG.calibrations_dir, CONFIG.campaigns])[:16]
+    + ".json"
+)
 
 
-CAMPAIGNS = campaign_folders()
-FOUND = {name: find_runs(folder) for name, folder in CAMPAIGNS.items()}
-RUNS = [(name, run.name) for name, (runs, _) in FOUND.items() for run in runs]
-ABOUT = {name: checked(load_campaign, folder) for name, folder in CAMPAIGNS.items()}
+def table_of_runs():
+    """Every run of the configuration."""
+    if not workflow.is_main_process and TABLE_FILE.is_file():
+        return RunTable.read(TABLE_FILE)
+    places = (CONFIG.campaigns_dir, CONFIG.calibrations_dir)
+    table = checked(list_runs, *places, CONFIG.campaigns)
+    if workflow.is_main_process:
+        with suppress(OSError):  # workers that have the folders list them themselves
+            write_text(TABLE_FILE, table.text())
+    return table
+
+
+TABLE = table_of_runs()
+CAMPAIGNS = {name: Path(CONFIG.campaigns_dir) / name for name in TABLE.campaigns}
+RUNS = [
+    (name, run) for name, campaign in TABLE.campaigns.items() for run in campaign.runs
+]
+ABOUT = {name: campaign.about for name, campaign in TABLE.campaigns.items()}
 MADE_CAMPAIGNS = {
     name for name, campaign in ABOUT.items() if campaign.captures_from is not None
 }
+if workflow.is_main_process:
+    for campaign in TABLE.campaigns.values():
+        for fault in campaign.left_out:
+            print(f"left out: {fault}", file=sys.stderr)
 
-for _, faults in FOUND.values():
-    for fault in faults:
-        print(f"left out: {fault}", file=sys.stderr)
+if "SOURCES" not in {usage.name for usage in workflow.storage_settings.shared_fs_usage}:
+
+    # Snakemake brings its configuration to workers that share no files.
+    configfile: TABLE_FILE
 
 
 def run_wildcards():
@@ -102,26 +107,10 @@ def run_file(name):
     return f"{RUN}/{name}"
 
 
-def run_folder(wildcards):
-    """The folder that holds a run's run.yaml and capture."""
-    parent = MADE if wildcards.campaign in MADE_CAMPAIGNS else CONFIG.campaigns_dir
-    return f"{parent}/{wildcards.campaign}/runs/{wildcards.run}"
-
-
-SMALL_BYTES = 1 << 16
-
-
-@lru_cache(maxsize=None)
-def files_in(folder):
-    """The files of a folder, in order; hidden ones and those that no run.yaml may name are passed over."""
-    with os.scandir(folder) as entries:
-        return sorted(
-            entry.path
-            for entry in entries
-            if entry.name[0] != "."
-            and not problem_of_file_name(entry.name)
-            and entry.is_file()
-        )
+def files_of_run(campaign, run):
+    """The files of a run's folder."""
+    folder = f"{CONFIG.campaigns_dir}/{campaign}/runs/{run}"
+    return [f"{folder}/{name}" for name in TABLE.campaigns[campaign].runs[run].files]
 
 
 def folder_of_run(wildcards, input):
@@ -130,15 +119,16 @@ def folder_of_run(wildcards, input):
     return input.run[0] if made else os.path.dirname(input.run[0])
 
 
-def campaign_file(wildcards):
-    """The campaign's campaign.yaml, where it has one."""
-    path = f"{CONFIG.campaigns_dir}/{wildcards.campaign}/campaign.yaml"
-    return [path] if os.path.exists(path) else []
+def beside_runs(wildcards, name):
+    """A file of the campaign's own folder, where it is there."""
+    path = f"{CONFIG.campaigns_dir}/{wildcards.campaign}/{name}"
+    return [path] if name in TABLE.campaigns[wildcards.campaign].files else []
 
 
 def files_of_campaign(wildcards):
     """The files of a campaign's own folder, campaign.yaml among them."""
-    return files_in(f"{CONFIG.campaigns_dir}/{wildcards.campaign}")
+    names = TABLE.campaigns[wildcards.campaign].files
+    return [f"{CONFIG.campaigns_dir}/{wildcards.campaign}/{name}" for name in names]
 
 
 def folder_of_campaign(wildcards, input):
@@ -150,19 +140,17 @@ def old_campaign_file(wildcards):
     """The same for rules of a run, where what of it counts is a parameter: another text alone changes nothing."""
     if wildcards.campaign in MADE_CAMPAIGNS:
         return ancient([f"{MADE}/{wildcards.campaign}/campaign.yaml"])
-    return ancient(campaign_file(wildcards))
+    return ancient(beside_runs(wildcards, "campaign.yaml"))
 
 
 def planned(*names):
     """The run.yaml and campaign.yaml of campaigns: which runs there are."""
     files = []
     for name in names:
-        files += [str(run / "run.yaml") for run in FOUND[name][0]]
-        files += [
-            path
-            for path in [f"{CONFIG.campaigns_dir}/{name}/campaign.yaml"]
-            if os.path.exists(path)
-        ]
+        folder = f"{CONFIG.campaigns_dir}/{name}"
+        files += [f"{folder}/runs/{run}/run.yaml" for run in TABLE.campaigns[name].runs]
+        if "campaign.yaml" in TABLE.campaigns[name].files:
+            files.append(f"{folder}/campaign.yaml")
     return files
 
 
@@ -191,21 +179,14 @@ def folder_of_records(wildcards, input):
 
 def run_inputs(wildcards):
     """What a run is reduced from: its folder where a rule makes it, else the files in it."""
-    folder = run_folder(wildcards)
-    return [folder] if wildcards.campaign in MADE_CAMPAIGNS else files_in(folder)
+    if wildcards.campaign in MADE_CAMPAIGNS:
+        return [f"{MADE}/{wildcards.campaign}/runs/{wildcards.run}"]
+    return files_of_run(wildcards.campaign, wildcards.run)
 
 
 def run_says(wildcards):
-    """Digest of a run's small files and of the large ones' sizes.
-
-    Snakemake goes by times, and does not see what was edited while the clock stood earlier.
-    """
-    digest = hashlib.sha256()
-    for path in files_in(CAMPAIGNS[wildcards.campaign] / "runs" / wildcards.run):
-        size = os.stat(path).st_size
-        said = Path(path).read_bytes() if size <= SMALL_BYTES else b"%d" % size
-        digest.update(hashlib.sha256(said).digest())
-    return digest.hexdigest()
+    """Digest of what a run's files say."""
+    return TABLE.campaigns[wildcards.campaign].runs[wildcards.run].says
 
 
 def run_label(wildcards):
@@ -216,25 +197,13 @@ def run_label(wildcards):
 RUN_LABEL = run_label if any(about.label for about in ABOUT.values()) else ""
 
 
-CALIBRATIONS = sorted(
-    str(path) for path in Path(CONFIG.calibrations_dir).glob("*/*.yaml")
-)
-NAMED_RECORD = re.compile(
-    r"""^calibration:[ ]*['"]?([\w.-]+)@([\w.-]+)['"]?[ ]*(?:\#.*)?$""", re.MULTILINE
-)
+CALIBRATIONS = [f"{CONFIG.calibrations_dir}/{record}" for record in TABLE.records]
 
 
-@lru_cache(maxsize=None)
 def calibration_of(campaign, run):
     """The calibration record that a run names; all of them where that is for its manifest to find out."""
-    text = (CAMPAIGNS[campaign] / "runs" / run / "run.yaml").read_text(errors="replace")
-    named = NAMED_RECORD.search(text) or NAMED_RECORD.search(
-        f"calibration: {ABOUT[campaign].calibration}"
-    )
-    record = (
-        f"{CONFIG.calibrations_dir}/{'/'.join(named.groups())}.yaml" if named else ""
-    )
-    return [record] if record in CALIBRATIONS else CALIBRATIONS
+    records = TABLE.campaigns[campaign].runs[run].records
+    return [f"{CONFIG.calibrations_dir}/{record}" for record in records]
 
 
 def calibration_inputs(wildcards):
@@ -244,9 +213,9 @@ def calibration_inputs(wildcards):
 
 def campaign_calibrations(wildcards):
     """The calibration records that the runs of a campaign are reduced with."""
-    runs = FOUND[wildcards.campaign][0]
+    runs = TABLE.campaigns[wildcards.campaign].runs
     return sorted(
-        {path for run in runs for path in calibration_of(wildcards.campaign, run.name)}
+        {path for run in runs for path in calibration_of(wildcards.campaign, run)}
     )
 
 
@@ -259,7 +228,7 @@ def check_times():
         )
     kept = [run for run in RUNS if run[0] not in MADE_CAMPAIGNS]
     for campaign, run in kept:
-        for fault in faults_of_inputs(files_in(f"{CAMPAIGNS[campaign]}/runs/{run}")):
+        for fault in faults_of_inputs(files_of_run(campaign, run)):
             print(fault, file=sys.stderr)
 
 
@@ -365,8 +334,8 @@ def uses_rewritten(campaign):
     """Whether a campaign's runs name a record that was rewritten: nothing is then made of them."""
     named = {
         path
-        for run in FOUND[campaign][0]
-        for path in calibration_of(campaign, run.name)
+        for run in TABLE.campaigns[campaign].runs
+        for path in calibration_of(campaign, run)
     }
     return any(record_id(path) in REWRITTEN_RECORDS for path in named)
 
@@ -375,7 +344,7 @@ def uses_rewritten(campaign):
 DIAGNOSED = [
     name
     for name, campaign in ABOUT.items()
-    if campaign.diagnose and FOUND[name][0] and not uses_rewritten(name)
+    if campaign.diagnose and TABLE.campaigns[name].runs and not uses_rewritten(name)
 ]
 
 
@@ -383,17 +352,17 @@ DIAGNOSED = [
 REPORTED = [
     name
     for name, campaign in ABOUT.items()
-    if campaign.report and FOUND[name][0] and not uses_rewritten(name)
+    if campaign.report and TABLE.campaigns[name].runs and not uses_rewritten(name)
 ]
 
 
 def is_of_one_record(campaign):
     """Whether a campaign's runs all name one calibration record; says so where they do not."""
     of_record = {}
-    for run in FOUND[campaign][0]:
-        named = calibration_of(campaign, run.name)
+    for run in TABLE.campaigns[campaign].runs:
+        named = calibration_of(campaign, run)
         if len(named) == 1:
-            of_record.setdefault(record_id(named[0]), []).append(run.name)
+            of_record.setdefault(record_id(named[0]), []).append(run)
     if len(of_record) > 1:
         print(
             f"derives no record: {several_records(CAMPAIGNS[campaign], of_record)}",
@@ -407,7 +376,7 @@ DERIVED = [
     name
     for name, campaign in ABOUT.items()
     if campaign.derive
-    and FOUND[name][0]
+    and TABLE.campaigns[name].runs
     and not uses_rewritten(name)
     and is_of_one_record(name)
 ]
@@ -417,8 +386,8 @@ UNITS = sorted(
     {
         Path(path).parts[-2]
         for name in CAMPAIGNS
-        for run in FOUND[name][0]
-        for path in calibration_of(name, run.name)
+        for run in TABLE.campaigns[name].runs
+        for path in calibration_of(name, run)
     }
 )
 
@@ -427,11 +396,13 @@ def diagnosed_inputs(wildcards):
     """Metadata, logs and captures of every run of a campaign; folders where a rule makes them."""
     if wildcards.campaign in MADE_CAMPAIGNS:
         return [
-            f"{MADE}/{wildcards.campaign}/runs/{run.name}"
-            for run in FOUND[wildcards.campaign][0]
+            f"{MADE}/{wildcards.campaign}/runs/{run}"
+            for run in TABLE.campaigns[wildcards.campaign].runs
         ]
     return sorted(
-        path for run in FOUND[wildcards.campaign][0] for path in files_in(run)
+        path
+        for run in TABLE.campaigns[wildcards.campaign].runs
+        for path in files_of_run(wildcards.campaign, run)
     )
 
 
@@ -440,12 +411,6 @@ def diagnosed_folder(wildcards, input):
     folder = os.path.dirname(os.path.dirname(input.runs[0]))
     made = wildcards.campaign in MADE_CAMPAIGNS
     return folder if made else os.path.dirname(folder)
-
-
-def beside_runs(wildcards, name):
-    """A file of the campaign's own folder, where it is there."""
-    path = Path(CONFIG.campaigns_dir) / wildcards.campaign / name
-    return [str(path)] if path.is_file() else []
 
 
 def report_options(wildcards, input):

@@ -16,4 +16,8 @@ def campaign_pages():
     """The pages of the campaigns, if pages are asked for."""
     if not CONFIG.pages.enabled:
         return []
-    return [f"{RESULTS}/{name}/index.html" for name in CAMPAIGNS if FOUND[name][0]]
+    return [
+        f"{RESULTS}/{name}/index.html"
+        for name, campaign in TABLE.campaigns.items()
+        if campaign.runs
+    ]
