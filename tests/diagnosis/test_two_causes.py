@@ -40,3 +40,38 @@ def test_both_are_named(tmp_path: Path, effects: list[dict]) -> None:
             for rival in cause["group"]
         )
     assert len(found["causes"]) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(5))
+def test_a_heading_far_off_beside_two_lines(tmp_path: Path, seed: int) -> None:
+    lab(tmp_path)
+    effects = [
+        put("heading_error", "table", deg=20.0),
+        put("periodic_interference", "gyro2", deg_h=60.0, frequency_hz=29.7),
+        put("periodic_interference", "gyro3", deg_h=60.0, frequency_hz=11.3),
+    ]
+    named_and_within(diagnosed(tmp_path, simulated(tmp_path, effects, seed=seed)), effects)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(5))
+def test_a_line_and_an_offset_on_one_gyro(tmp_path: Path, seed: int) -> None:
+    lab(tmp_path)
+    effects = [
+        put("periodic_interference", "gyro1", deg_h=5.0, frequency_hz=17.3),
+        put("bias_offset", "gyro1", deg_h=1.0),
+    ]
+    named_and_within(diagnosed(tmp_path, simulated(tmp_path, effects, seed=seed)), effects)
+
+
+def named_and_within(found: dict, effects: list[dict]) -> None:
+    """Each named once and nothing else, its numbers within four standard deviations (once in 16000)."""
+    assert found["verdict"] == "explained"
+    stated = {(c["effect"], *c["channels"]): c["parameters"] for c in found["causes"]}
+    assert set(stated) == {(e["effect"], *e["channels"]) for e in effects}
+    assert len(found["causes"]) == len(effects)
+    for effect in effects:
+        for name, value in effect["parameters"].items():
+            number = stated[effect["effect"], *effect["channels"]][name]
+            assert abs(number["value"] - value) < 4.0 * number["std"]
