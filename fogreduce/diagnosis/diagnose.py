@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.how_far.by_cause import Share, shares
 from fogreduce.diagnosis.how_far.closure import Closure, Key, measured
 from fogreduce.diagnosis.how_far.remainder import Remainder, borne_out, remaining
 from fogreduce.diagnosis.how_far.shapes import without_imitations
 from fogreduce.diagnosis.how_far.simulated import Source
 from fogreduce.diagnosis.inference.bundles import Bundles
-from fogreduce.diagnosis.inference.outcome import Named, Verdict, judged
+from fogreduce.diagnosis.inference.outcome import Named, Verdict
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
 from fogreduce.diagnosis.inference.tension import tensions
@@ -102,7 +101,7 @@ def diagnose(
     told("search")
     # where it lies needs no cause, and comes before them
     found = _places(search)
-    verdict = without_imitations(search, _judged(search))
+    verdict = without_imitations(search, verdict_of_sets(search))
     if verdict.word != "no_gap" and not found:
         found = [_faint(verdict, data)]
     closure = None
@@ -160,21 +159,6 @@ def _places(search: Search) -> list[Place]:
         lambda here: ground.processes.findings(here, search.allowed),
         search.data.run_ids,
     )
-
-
-def _judged(search: Search) -> Verdict:
-    """The verdict of the search for few causes; where that leaves something, of the one over whole sets."""
-    few = judged(search)
-    nothing = search.state([], search.ground).field
-    gross = nothing.chi2 > len(nothing.y) + priors.GROSS_GAP**2
-    if gross or few.word not in ("partly_explained", "unexplained"):
-        return few
-    many = verdict_of_sets(search)
-    # what the full rate shows must not take the places of what block means show
-    fast = any(cause.finding is not None for cause in many.state.causes)
-    more = fast and many.word == few.word and len(many.named) > len(few.named)
-    better = many.word == "explained" or (many.word == "partly_explained" and few.word == "unexplained")
-    return many if better or more else few
 
 
 def _faint(verdict: Verdict, data: Data) -> Place:

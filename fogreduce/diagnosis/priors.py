@@ -34,10 +34,13 @@ A_LINE, A_MIXTURE = np.log(0.1 / 40.0), np.log(0.01 * 0.3 / 12.0)
 COMMON = 0.05
 
 #: Standard deviations of an amplitude, as factors of the ends of its realistic range, and their weights.
-#: Below the range effects are there but hardly seen; above it each decade is some three times rarer, which
-#: is a tail as heavy as Cauchy's.
+#: Below the range effects are there but hardly seen; above it each decade is ten times rarer: Cauchy's tail,
+#: which Gelman (2006, Bayesian Analysis 1, 515) advises for scales of which only an order is known.
 BELOW = ((0.03, 0.03), (0.1, 0.05), (0.3, 0.1))
-ABOVE = ((3.0, 0.1), (10.0, 0.04), (100.0, 0.012), (1e3, 0.004), (1e4, 0.001))
+ABOVE = ((3.0, 0.1), (10.0, 0.04), (100.0, 0.004))
+#: No size beyond so many standard deviations of the widest scale is believed: a crosstalk or a scale factor
+#: off by more than a tenth are other faults than what these names mean.
+LARGEST = 1.0
 WITHIN, WITHIN_WEIGHT = 5, 0.663
 
 #: Sets whose posterior falls short of the best one's by more than this factor are left out (Occam's window,
@@ -68,8 +71,20 @@ CLOSED = 0.97
 #: What is left stands out where noise alone would do so in less than one of so many: a test's usual level.
 REMAINDER = 0.01
 
-#: How far an effect's shape may be from the catalogue's, relative to its size: what its formula idealises.
-DEPARTURE = 0.08
+#: How far an effect's shape may be from the catalogue's, relative to its size: what its formula idealises;
+#: and where a temperature drives it, whose coil lags behind its sensor.
+DEPARTURE, WARM_DEPARTURE = 0.08, 0.15
+
+#: Ln prior odds of a gap at all, an even chance for every second bench being well; of one cause more beside
+#: others; of something unknown, any family of it.
+LOG_GAP, LOG_FURTHER, LOG_UNKNOWN = np.log(0.3 / 0.7), np.log(0.1), np.log(0.1)
+#: Effects, and families of the unknown, that share those evenly.
+NAMES, FAMILIES = 40.0, 12.0
+#: Ln of odds against what an effect's parameters do not allow.
+IMPOSSIBLE = 50.0
+
+#: What a cause may change of a spectrum's pieces, in noise of one sample, and leave it as it is.
+BENT = 1.0
 
 #: How long a bias may take to step, beside not at all [s]: a supply or a light source that settles.
 RISE_S = (0.25, 0.5, 1.0, 2.0, 4.0)

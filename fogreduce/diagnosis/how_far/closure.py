@@ -22,9 +22,10 @@ from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
 from fogreduce.diagnosis.inference.fitted import refined
+from fogreduce.diagnosis.inference.ground import processes_of
 from fogreduce.diagnosis.inference.model import modelled, modelled_change
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener, nuisances, whitener
-from fogreduce.diagnosis.inference.search import Search, _processes
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.observe.data import Data
 from fogreduce.diagnosis.where.places import Place
 from fogreduce.diagnosis.which.catalogue.converter import converter_means
@@ -229,7 +230,7 @@ def _of_block_means(
     features = _features(search, families, slow, shapes)
     noisy = [_part(search, keep, causes, np.column_stack([columns, codes])) for keep in _KEPT]
     bare = noisy
-    if _processes(causes) or codes.shape[1]:
+    if processes_of(causes) or codes.shape[1]:
         bare = [_part(search, keep, slow, columns) for keep in _KEPT]
     measures = deviates(noisy[-1], noisy[:2], features)
     plain = measures if bare is noisy else deviates(bare[-1], bare[:2], features)
@@ -294,7 +295,7 @@ def _masks(data: Data, keep: Sequence[int]) -> list[NDArray[np.bool_]]:
 
 def _part(search: Search, keep: Sequence[int], causes: Sequence[Cause], columns: Array) -> Part:
     data = search.data.with_parts(_masks(search.data, keep))
-    whiten = whitener(data.inputs, data.sizes, search.fast.level, _processes(causes))
+    whiten = whitener(data.inputs, data.sizes, search.fast.level, processes_of(causes))
     y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
     return Part(whiten, Metric.of(whiten(columns)), y)
 

@@ -19,8 +19,9 @@ from fogreduce.diagnosis.how_far.simulated import Simulated, Source
 from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.findings import Finding
+from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.outcome import Verdict
-from fogreduce.diagnosis.inference.search import Search, State
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import deviate
 from fogreduce.diagnosis.where.places import Place, farthest, places
 from fogreduce.diagnosis.which.unknown.resembles import Resemblance, resembling

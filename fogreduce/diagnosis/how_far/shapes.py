@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
 from fogreduce.diagnosis.inference.departures import lateness
+from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.outcome import Verdict
-from fogreduce.diagnosis.inference.search import Search, State
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
 from fogreduce.diagnosis.where.places import Place
 from fogreduce.effects.selection import Action

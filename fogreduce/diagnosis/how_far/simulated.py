@@ -21,7 +21,8 @@ from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.inference.search import Search, State
+from fogreduce.diagnosis.inference.ground import State
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
 from fogreduce.diagnosis.observe.data import Data, read_data
 from fogreduce.diagnosis.where.places import Place

@@ -113,15 +113,6 @@ class Field:
         """Y' S^-1 y."""
         return float(self.y @ self.y - (self.metric.a.T @ self.y) @ self.shrunk)
 
-    def gain(self, columns: Array) -> float:
-        """Ln evidence of whitened columns (rows, d) of known standard deviation, one each; at least 0."""
-        if columns.shape[1] == 0:
-            return 0.0
-        whole = np.eye(columns.shape[1]) + self.metric.gram(columns, columns)
-        b = self.metric.gram(columns, self.y[:, None])[:, 0]
-        _, size = np.linalg.slogdet(whole)
-        return max(0.5 * float(b @ np.linalg.solve(whole, b)) - 0.5 * float(size), 0.0)
-
     def products(self, candidate: Candidate) -> tuple[Array, Array]:
         """Of a candidate's columns: b (J, k) and G (J, k, k)."""
         flat, (_, j, k) = candidate.flat, candidate.columns.shape

@@ -8,9 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding, joined
-from fogreduce.diagnosis.inference.search import LOG_FURTHER, Search, State, log_prior_of
+from fogreduce.diagnosis.inference.ground import State
+from fogreduce.diagnosis.inference.options import log_prior_of
+from fogreduce.diagnosis.inference.search import Search
 
 _MOST = 60  # a bound on a loop that ends by itself: findings beside those taken
 
@@ -68,4 +71,4 @@ def full_rate_causes(search: Search, state: State, given: Sequence[Cause] = ()) 
 
 def _odds(finding: Finding) -> float:
     """Ln posterior odds of a finding, beside any other causes."""
-    return finding.log_b + log_prior_of(finding.known, finding.share) + LOG_FURTHER
+    return finding.log_b + log_prior_of(finding.known, finding.share) + priors.LOG_FURTHER

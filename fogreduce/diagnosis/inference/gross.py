@@ -11,8 +11,11 @@ from dataclasses import dataclass
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Fit
+from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.model import DELAYS
-from fogreduce.diagnosis.inference.search import Search, State, log_prior_of
+from fogreduce.diagnosis.inference.options import log_prior_of
+from fogreduce.diagnosis.inference.search import Search
+from fogreduce.diagnosis.inference.sizes import believed
 
 #: Of the whole gap: what a gross cause with an amplitude must explain to go first.
 _ALL_BUT = 0.9
@@ -55,6 +58,8 @@ def gross(search: Search, state: State) -> Gross:
         if best is None or best.q <= priors.GROSS**2:
             break
         adds_up = not (best.candidate.fixed or DELAYS.keys() & set(best.candidate.scales))
+        if not believed(best):
+            break
         if adds_up and best.q < _ALL_BUT * (state.field.chi2 - len(state.field.y)):
             break
         out.add(best.candidate.key)

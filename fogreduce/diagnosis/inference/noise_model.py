@@ -97,6 +97,15 @@ class Whitener:
                     out[part] = column
         return out
 
+    def coarser(self, times: Mapping[int, float]) -> Whitener:
+        """The same with the noise of some gyros so many times as large."""
+        known: dict[tuple[int, int], Array] = {}
+        out = {}
+        for at, matrix in self.filters.items():
+            gyro = at[0]
+            out[at] = known.setdefault((gyro, id(matrix)), matrix / times[gyro] if gyro in times else matrix)
+        return Whitener(self.rows, out)
+
     @cached_property
     def _alike(self) -> list[tuple[Array, list[slice]]]:
         """Each filter with all rows that it whitens."""

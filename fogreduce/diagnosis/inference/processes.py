@@ -16,7 +16,8 @@ from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import EVERY
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.inference.search import Ground, Search
+from fogreduce.diagnosis.inference.ground import Ground
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.slow import SlowPosterior, slow_posterior
 from fogreduce.effects.table import EFFECTS
 
@@ -38,10 +39,16 @@ def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
         tried.add(best.key)
         causes = [*here.given, Cause.of_finding(best)]
         there = slow_posterior(search, _ground(search, causes), causes)
-        price = float(np.log(priors.KIND * best.share)) - _SIZE
-        if there.log_evidence + price > here.log_evidence:
+        if there.log_evidence + process_price(best) > here.log_evidence:
             here = there
+        elif there.unclosed:
+            break  # what is gross there is no process either
     return here
+
+
+def process_price(finding: Finding) -> float:
+    """Ln prior of a process at its place, and what its size costs."""
+    return float(np.log(priors.KIND * finding.share)) - _SIZE
 
 
 def _ground(search: Search, given: Sequence[Cause]) -> Ground:
@@ -51,8 +58,12 @@ def _ground(search: Search, given: Sequence[Cause]) -> Ground:
 
 def _most_likely(search: Search, here: SlowPosterior, tried: set[tuple[object, ...]]) -> Finding | None:
     """The process that gains most beside the causes, or in place of a gyro's drifts; None if none does."""
-    ground = here.state.ground
-    found = [(f, f.log_b) for f in ground.processes.findings(here.state.field, search.allowed)]
+    ground, state = here.state.ground, here.state
+    if here.unclosed:
+        # what no set closes may be a process: not in a noise that has it already
+        ground = _ground(search, here.given)
+        state = search.state(here.state.causes, ground, refine=False)
+    found = [(f, f.log_b) for f in ground.processes.findings(state.field, search.allowed)]
     for channel, gone in _drifting(here).items():
         less = here.sets.without(here.best, gone)
         keys = {here.sets.regression.entries[entry].key for entry in gone}
@@ -68,6 +79,7 @@ def _most_likely(search: Search, here: SlowPosterior, tried: set[tuple[object, .
         (gain, f)
         for f, gain in found
         if f.known and f.key not in tried | taken and gain + np.log(priors.KIND * f.share) > 0.0
+        if _believed(f)
     ]
     return max(worth, key=lambda pair: pair[0])[1] if worth else None
 
@@ -80,3 +92,11 @@ def _drifting(here: SlowPosterior) -> dict[str, list[int]]:
         if len(channels) == 1 and (EFFECTS[effect].drifts or runs != EVERY):
             out.setdefault(channels[0], []).append(entry)
     return {channel: entries for channel, entries in out.items() if len(entries) >= _SEVERAL}
+
+
+def _believed(finding: Finding) -> bool:
+    """Whether a process is no larger than is believed."""
+    assert finding.process is not None
+    size = next(p for p in EFFECTS[finding.effect].parameters if p.realistic is not None)
+    assert size.realistic is not None
+    return finding.process[1] <= priors.LARGEST * priors.ABOVE[-1][0] * size.realistic[1]

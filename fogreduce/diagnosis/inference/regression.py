@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.hierarchy import Kind
 from fogreduce.diagnosis.inference.noise_model import Metric
@@ -258,10 +259,18 @@ def additions(regression: Regression, fit: Fitted, entry: int | None = None) -> 
         best = np.argmax(logs, axis=1)
         top = logs[np.arange(len(logs)), best]
         whole = top + np.log(np.sum(np.exp(logs - top[:, None]), axis=1))
-        wrong = here.sign * b[:, 0] < 0.0
+        wrong = (here.sign * b[:, 0] < 0.0) | _too_large(gram, b, here.variances)
         gain[here.numbers] = np.where(wrong, -np.inf, whole)
         scale[here.numbers], spread[here.numbers] = best, whole - top
     return Additions(gain, scale, spread)
+
+
+def _too_large(gram: Array, b: Array, variances: Array) -> NDArray[np.bool_]:
+    """Whether amplitudes (m,) are larger than is believed, at the widest scale."""
+    unit = np.sqrt(variances[:, -1])
+    whole = gram * unit[:, :, None] * unit[:, None, :] + np.eye(gram.shape[1])
+    found = np.linalg.solve(whole, (b * unit)[:, :, None])[:, :, 0]
+    return np.asarray(np.sum(found**2, axis=1) > priors.LARGEST**2, np.bool_)
 
 
 def _scale_evidence(gram: Array, b: Array, variances: Array) -> Array:

@@ -1,29 +1,24 @@
-"""The search for causes: one, a second beside it, a third; each place in the set then weighed again.
-
-At each depth the best effect of the catalogue is taken in, as long as the odds are for it; the unknown
-competes at
-every depth. Which depth, with or without something unknown, has the most evidence is the verdict's matter.
-"""
+"""A campaign in which causes are sought: grounds, sets of causes fitted on them, and what may be added."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.bundles import Bundles
-from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
 from fogreduce.diagnosis.inference.evidence import Field, Fit, log_bayes
-from fogreduce.diagnosis.inference.findings import Finding, joined
+from fogreduce.diagnosis.inference.findings import joined
 from fogreduce.diagnosis.inference.fitted import refined
-from fogreduce.diagnosis.inference.model import DELAYS, Model, modelled
-from fogreduce.diagnosis.inference.noise_model import Metric, Whitener, nuisances, whitener
+from fogreduce.diagnosis.inference.ground import Ground, State, processes_of
+from fogreduce.diagnosis.inference.model import DELAYS, modelled
+from fogreduce.diagnosis.inference.noise_model import Metric, nuisances, whitener
+from fogreduce.diagnosis.inference.options import Option, beyond, log_prior_of, not_for_being_simpler
 from fogreduce.diagnosis.observe.data import Data
 from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.diagnosis.which.catalogue.candidates import all_candidates
@@ -33,137 +28,8 @@ from fogreduce.diagnosis.which.processes.processes import Processes
 from fogreduce.diagnosis.which.processes.shapes import Known
 from fogreduce.diagnosis.which.unknown.families import families
 from fogreduce.effects.selection import Action
-from fogreduce.effects.table import EFFECTS
 
 Array = NDArray[np.float64]
-
-#: ln prior odds of a gap at all; of a further cause beside one; of something unknown, any family of it.
-LOG_GAP, LOG_FURTHER, LOG_UNKNOWN = np.log(0.3 / 0.7), np.log(0.1), np.log(0.1)
-MOST_CAUSES = 3
-_NAMES = 40.0  # effects that share the prior evenly
-_FAMILIES = 12.0
-#: How exactly a named effect's shape is taken to be that of the catalogue, relative to its size.
-SHAPE_DOUBT = 0.08
-#: The same where a temperature drives it: a coil lags behind its sensor.
-WARM_DOUBT = 0.15
-_IMPOSSIBLE = 50.0  # ln of odds against what cannot be
-_BENT = 1.0  # what a cause may change of a spectrum's pieces, in noise of one sample, and leave it as it is
-
-
-Key = tuple[str, tuple[str, ...], tuple[str, ...], str]
-
-
-@dataclass(frozen=True)
-class Option:
-    """Something that may be added: a candidate's fit or a finding, with its evidence and prior."""
-
-    fit: Fit | None
-    finding: Finding | None
-    log_b: float
-    log_prior: float
-    raw: float = 0.0  # ln evidence before what departures from shape could make was taken off
-
-    @property
-    def source(self) -> Candidate | Finding:
-        """What it comes from."""
-        if self.fit is not None:
-            return self.fit.candidate
-        assert self.finding is not None
-        return self.finding
-
-    @property
-    def known(self) -> bool:
-        """Whether the catalogue has it."""
-        return self.source.known
-
-    @property
-    def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
-        """Effect, channels, runs, other gyro."""
-        return self.source.key
-
-    @property
-    def process(self) -> bool:
-        """Whether it is a further random process in block means."""
-        return self.finding is not None and self.finding.domain == "process"
-
-    @property
-    def score(self) -> float:
-        """Ln of evidence times prior."""
-        return self.log_b + self.log_prior
-
-    @property
-    def q(self) -> float:
-        """Twice the gain in ln likelihood."""
-        if self.fit is not None:
-            return self.fit.q
-        assert self.finding is not None
-        return self.finding.snr2
-
-    def cause(self) -> Cause:
-        """As a cause."""
-        if self.fit is not None:
-            return Cause.of_fit(self.fit)
-        assert self.finding is not None
-        return Cause.of_finding(self.finding)
-
-
-@dataclass
-class Ground:
-    """What candidates are held against: whitener, metric, residual, candidates, full rate."""
-
-    whiten: Whitener
-    metric: Metric
-    y: Array
-    nominal: Array
-    candidates: Bundles
-    families: Bundles
-    processes: Processes
-    fast: Fast
-    base: frozenset[Key] = frozenset()
-
-
-@dataclass
-class State:
-    """A set of causes, and what is left beside them.
-
-    Attributes
-    ----------
-    model : Model
-        Causes that change block means, simulated.
-    causes : list of Cause
-        All of them.
-    field : Field
-        Residual left, in a metric in which their amplitudes are free and wander.
-    ground : Ground
-        What it stands on.
-    shapes : (rows, d) array
-        How the causes may wander, whitened, one standard deviation each.
-    wandered : float
-        Ln evidence that the causes' sizes wander a little, at least 0.
-    """
-
-    model: Model
-    causes: list[Cause]
-    field: Field
-    ground: Ground
-    shapes: Array
-    wandered: float = 0.0
-
-    @cached_property
-    def seen(self) -> float:
-        """Share of what the causes change that the stated uncertainties could not have made."""
-        change = self.model.change
-        left = self.ground.metric.without(change)
-        return max(float(change @ left), 0.0) / max(float(change @ change), 1e-300)
-
-
-@dataclass(frozen=True)
-class Step:
-    """A set of causes on the way: its state, what may be added to it, and ln of its evidence and prior."""
-
-    state: State
-    options: list[Option]
-    score: float
 
 
 @dataclass
@@ -192,14 +58,16 @@ class Search:
 
     # ------------------------------------------------------------------------------------- ground
 
-    def _ground(self, base: Sequence[Cause]) -> Ground:
+    def _ground(self, base: Sequence[Cause], coarser: Mapping[int, float] | None = None) -> Ground:
         """Whitened residual and candidates, built about a chain with causes in it; processes whiten."""
         data = self.data
         slow = [c for c in base if c.slow]
         actions = [c.action(data.run_ids, data.n) for c in slow]
         fast = self._fast_beside(actions)
         known = self._filters.setdefault(fast.level.tobytes(), {})
-        whiten = whitener(data.inputs, data.sizes, fast.level, _processes(base), known)
+        whiten = whitener(data.inputs, data.sizes, fast.level, processes_of(base), known)
+        if coarser:
+            whiten = whiten.coarser(coarser)
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
         y = whiten(whiten.rows.stacked(fast.data.residual)[:, None])[:, 0]
         metric = Metric.of(whiten(nuisances(data.inputs, actions)))
@@ -223,7 +91,7 @@ class Search:
         key = repr([(a.effect.name, a.gyros, sorted(a.runs), a.parameters) for a in actions])
         if key not in self._beside:
             data = self.data
-            if data.bent(actions) < _BENT:
+            if data.bent(actions) < priors.BENT:
                 self._beside[key] = self.fast
                 return self.fast
             whiten = self.ground.whiten
@@ -234,9 +102,11 @@ class Search:
             self._beside[key] = Fast(data.beside(actions), self.allowed) if size > priors.GROSS else self.fast
         return self._beside[key]
 
-    def ground_of(self, causes: Sequence[Cause]) -> Ground:
-        """The ground beside some causes: its noise has their processes in it."""
-        return self._ground(causes) if causes else self.ground
+    def ground_of(self, causes: Sequence[Cause], coarser: Mapping[int, float] | None = None) -> Ground:
+        """The ground beside some causes: its noise has their processes in it, that of some gyros (their
+        numbers) so many times as large.
+        """
+        return self._ground(causes, coarser) if causes or coarser else self.ground
 
     def state(self, causes: Sequence[Cause], ground: Ground, refine: bool = True) -> State:
         """The causes in the chain, fitted together."""
@@ -254,7 +124,7 @@ class Search:
         actions = [replace(c.action(data.run_ids, data.n), ordinal=k) for k, c in enumerate(model.causes)]
         wander = [departures(data.inputs, actions, k, g.whiten.rows) for k in range(len(actions))]
         shapes = np.column_stack([g.whiten(np.column_stack(wander)), codes] if wander else [codes])
-        return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, shapes, free.gain(shapes))
+        return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, shapes)
 
     # ------------------------------------------------------------------------------------ options
 
@@ -266,7 +136,7 @@ class Search:
             for fit in self._with_delay(bundles.fits(state.field), state):
                 if not (fit.candidate.known and fit.candidate.key in taken):
                     out.append(self._slow_option(fit, state))
-        out = _not_for_being_simpler(out)
+        out = not_for_being_simpler(out)
         findings = joined(
             state.ground.fast.findings(state.causes),
             state.ground.processes.findings(state.field, self.allowed),
@@ -293,7 +163,7 @@ class Search:
     def fits(self, state: State) -> list[Fit]:
         """Every effect held against what is left beside a set of causes, those that cannot be left out."""
         found = self._with_delay(state.ground.candidates.fits(state.field), state)
-        return [fit for fit in found if not _beyond(fit)]
+        return [fit for fit in found if not beyond(fit)]
 
     def _with_delay(self, fits: Iterable[Fit], state: State) -> list[Fit]:
         """Fits, that of the best gross delay simulated: an edge in another block is no small step."""
@@ -318,8 +188,8 @@ class Search:
         c = fit.candidate
         k = c.columns.shape[2]
         log_b = fit.log_b if c.fixed else self._doubted(fit.log_b, fit.q, k, state, c.channels)
-        if _beyond(fit):
-            log_b = min(log_b, -_IMPOSSIBLE)
+        if beyond(fit):
+            log_b = min(log_b, -priors.IMPOSSIBLE)
         return Option(fit, None, log_b, log_prior_of(c.known, c.share), fit.log_b)
 
     def _doubted(self, log_b: float, q: float, k: int, state: State, channels: Sequence[str]) -> float:
@@ -336,7 +206,7 @@ class Search:
         if not change.any():
             return 0.0
         warm = any(c.effect.startswith("temperature") for c in state.causes)
-        doubt = WARM_DOUBT if warm else SHAPE_DOUBT
+        doubt = priors.WARM_DEPARTURE if warm else priors.DEPARTURE
         rows = state.ground.whiten.rows
         if any(not name.startswith("gyro") for name in channels):
             parts = [change]
@@ -344,145 +214,7 @@ class Search:
             parts = [change[rows.of(int(name[4:]) - 1)] for name in channels]
         return doubt * float(np.sqrt(state.seen * sum(float(part @ part) for part in parts)))
 
-    def credit(self, step: Step) -> float:
-        """What departures from shape explain of what the unknown would take: ln of evidence."""
-        wandered = step.state.wandered
-        if not step.state.causes or any(c.process for c in step.state.causes):
-            return wandered
-        places = {channel for c in step.state.causes for channel in c.channels}
-        anywhere = any(not place.startswith("gyro") for place in places)
-        rivals = [o for o in step.options if (o.process or not o.known) and o.raw > 0.0]
-        if not anywhere:
-            rivals = [o for o in rivals if places.issuperset(o.source.channels)]
-        return wandered + max((o.raw - max(o.log_b, 0.0) for o in rivals), default=0.0)
-
-    # -------------------------------------------------------------------------------------- search
-
-    def run(self, processes: bool = True) -> list[Step]:
-        """Sets of no, one, two, three causes.
-
-        Parameters
-        ----------
-        processes : bool
-            Whether a random process may be a cause; it imitates any drift, so that both ways are worth a try.
-        """
-        state = self.state([], self.ground)
-        options = self.options(state)
-        path = [Step(state, options, 0.0)]
-        score, depth = 0.0, 0
-        hollow: set[Key] = set()
-        while depth < MOST_CAUSES:
-            choice = [o for o in options if o.known and (processes or not o.process) and o.key not in hollow]
-            best = max(choice, key=lambda o: o.score, default=None)
-            further = LOG_GAP if depth == 0 else LOG_FURTHER
-            if best is None or best.score + further < 0.0:
-                break
-            causes = [*state.causes, best.cause()]
-            # where departures from shape are credited to what is left, a cause that takes it gets that back
-            gain = best.raw + best.log_prior + further
-            # the unknown counts with all its families, and so does what could stand in this one's place
-            gain += float(np.logaddexp.reduce([o.score - best.score for o in choice]))
-            taken = self.state(causes, state.ground)
-            if best.fit is not None:
-                # an effect, simulated, may not do what its column promised: it was no small step
-                done = self.gained(state, taken)
-                if done < 0.5 * best.q:
-                    hollow.add(best.key)
-                    continue
-            taken = self._settled(taken, best)
-            score += gain
-            # evidence of the new one was taken beside the wandering of those before
-            score += max(path[-1].state.wandered - taken.wandered, 0.0)
-            depth += 1
-            state, change = self._weighed_again(taken, processes)
-            options = self.options(state)
-            score += change
-            path.append(Step(state, options, score))
-        return path
-
     def gained(self, before: State, after: State) -> float:
         """Twice what a cause, simulated, adds to ln likelihood."""
         metric, y = before.ground.metric, before.ground.y
         return Field.of(metric, y - before.model.change).chi2 - Field.of(metric, y - after.model.change).chi2
-
-    def _settled(self, taken: State, best: Option) -> State:
-        """The causes on a ground with a gross one in the chain, or a random process in the noise."""
-        gross = best.fit is not None and best.q > priors.GROSS**2
-        if not (gross or best.process):
-            return taken
-        return self.state(taken.causes, self._ground(taken.causes))
-
-    def _weighed_again(self, state: State, processes: bool) -> tuple[State, float]:
-        """Every cause but the last set against all others in its place; the better one stays."""
-        change = 0.0
-        for k in range(len(state.causes) - 1):
-            cause, ground = state.causes[k], state.ground
-            if (cause.finding is not None and not cause.process) or cause.key in ground.base:
-                continue
-            others = [c for j, c in enumerate(state.causes) if j != k]
-            if cause.process:
-                ground = self._ground_beside(others, ground)
-            without = self.state(others, ground, refine=False)
-            choice = [o for o in self.options(without) if o.known and (processes or not o.process)]
-            now = next((o for o in choice if o.key == cause.key), None)
-            best = max(choice, key=lambda o: o.score, default=None)
-            if now is None or best is None or (best.process and not cause.process):
-                continue
-            # what departures of the others may have made of it counts alike for both
-            better = min(best.score - now.score, best.raw + best.log_prior - now.raw - now.log_prior)
-            if better > 1.0:
-                change += better
-                causes = [*others[:k], best.cause(), *others[k:]]
-                state = self.state(causes, self._ground_beside(causes, ground) if best.process else ground)
-        return state, change
-
-    def _ground_beside(self, causes: Sequence[Cause], ground: Ground) -> Ground:
-        """The ground with the processes of other causes in its noise, and the same in its chain."""
-        base = [c for c in causes if c.process or c.key in ground.base]
-        return self._ground(base) if base else self.ground
-
-
-def _not_for_being_simpler(options: list[Option]) -> list[Option]:
-    """The unknown must fit better than an effect with a direction in it: fewer numbers are no evidence.
-
-    Where all runs turn about one axis, a magnetic field is a wave of the angle; and the larger it is, the
-    more would its third number cost it.
-    """
-    named: dict[tuple[str, ...], list[Option]] = {}
-    for o in options:
-        if o.known and o.fit is not None and o.fit.candidate.columns.shape[2] > 1:
-            named.setdefault(o.source.channels, []).append(o)
-    out = []
-    for o in options:
-        if not o.known and o.fit is not None:
-            numbers = o.fit.candidate.columns.shape[2]
-            for rival in named.get(o.source.channels, ()):
-                assert rival.fit is not None
-                if rival.fit.candidate.columns.shape[2] >= numbers:
-                    most = rival.raw + 0.5 * max(o.q - rival.q, 0.0) - priors.AS_WELL
-                    less = max(o.raw - most, 0.0)
-                    o = replace(o, log_b=o.log_b - less, raw=o.raw - less)
-        out.append(o)
-    return out
-
-
-def _beyond(fit: Fit) -> bool:
-    """Whether an effect would need a number that it does not accept, as a scale factor less than nothing."""
-    c = fit.candidate
-    if not c.known or c.fixed:
-        return False
-    values = dict(zip(c.scales, (fit.coefficients * c.steps[fit.best]).tolist(), strict=False))
-    limits = {p.name: (p.low, p.high) for p in EFFECTS[c.effect].parameters if p.kind == "number"}
-    return any(not limits[k][0] <= v <= limits[k][1] for k, v in values.items() if k in limits)
-
-
-def log_prior_of(known: bool, share: float) -> float:
-    """Ln prior of an effect, or of something unknown, at a place that has a share of its name."""
-    if known:
-        return float(np.log(share / _NAMES))
-    return float(LOG_UNKNOWN + np.log(share / _FAMILIES))
-
-
-def _processes(causes: Sequence[Cause]) -> dict[tuple[str, int], float]:
-    """Sizes of the random processes among causes, by kind and gyro."""
-    return {key: size for c in causes for key, size in c.process.items()}

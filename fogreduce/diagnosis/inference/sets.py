@@ -29,7 +29,8 @@ from fogreduce.diagnosis.inference.regression import (
 
 Array = NDArray[np.float64]
 
-_BETTER = 1e-6  # of ln posterior: a gain that rounding cannot make
+_BETTER, _ROUNDING = 1e-6, 1e-8  # of ln posterior: a gain that rounding cannot make, relative to its size
+_ENDED = 0.05  # of ln posterior: what a further round of moves is not worth
 _PAYS = 15.0  # ln evidence of a cause beside the others from which on no prior makes it worth leaving out
 
 
@@ -40,6 +41,11 @@ class CauseSet:
     members: tuple[Member, ...]
     fit: Fitted
     score: float
+
+
+def _above(here: CauseSet) -> float:
+    """The ln posterior that a better set has at least."""
+    return here.score + _BETTER + _ROUNDING * abs(here.score)
 
 
 @dataclass
@@ -144,7 +150,7 @@ class SetSearch:
         while True:
             whole, more = self.scores(here)
             best = int(np.argmax(whole))
-            if whole[best] > here.score + _BETTER:
+            if whole[best] > _above(here):
                 here = self.with_option(here, best, more)
                 continue
             kind = self._with_kind(here)
@@ -173,7 +179,7 @@ class SetSearch:
             trial = here
             for _ in range(int(np.argmax(worth)) + 1):
                 trial = self._added(trial, kind)
-            if trial.score > here.score + _BETTER:
+            if trial.score > _above(here):
                 return trial
         return None
 
@@ -192,8 +198,8 @@ class SetSearch:
                 less = self.without(here, [entry])
                 best, more = self._best_of(less, entry)
                 now = self.with_option(less, best, more)
-                here = now if now.score > here.score + _BETTER else here
-            if here.score <= before + 0.1:
+                here = now if now.score > _above(here) else here
+            if here.score <= before + _ENDED + _ROUNDING * abs(before):
                 return here
 
     def _best_of(self, here: CauseSet, entry: int) -> tuple[int, Additions]:
@@ -214,7 +220,7 @@ class SetSearch:
                 less = self.without(here, [entry])
                 best, more = self._best_of(less, entry)
                 now = max(less, self.with_option(less, best, more), key=lambda one: one.score)
-                if now.score > here.score + _BETTER:
+                if now.score > _above(here):
                     here, changed = now, True
                     break
         return here
@@ -228,9 +234,9 @@ class SetSearch:
                 less = self.without(here, [entry])
                 whole, more = self.scores(less)
                 best = int(np.argmax(whole))
-                if whole[best] > here.score + _BETTER:
+                if whole[best] > _above(here):
                     now = self.with_option(less, best, more)
-                    if now.score > here.score + _BETTER:
+                    if now.score > _above(here):
                         here, changed = now, True
                         break
         return here
@@ -247,7 +253,7 @@ class SetSearch:
                 other = SetSearch(self.regression, self.banned | set(barred), self.seen, self._priors)
                 trial = other.rescaled(self.without(here, gone))
                 trial = self.pruned(self.grown(other.pruned(other.grown(trial))))
-                if trial.score > here.score + _BETTER:
+                if trial.score > _above(here):
                     here, changed = trial, True
                     break
         return here
@@ -259,5 +265,5 @@ class SetSearch:
             before = here.score
             here = self.exchanged(self.rescaled(self.pruned(self.grown(here))))
             here = self.kinds_moved(here)
-            if here.score <= before + 0.01:
+            if here.score <= before + _ENDED + _ROUNDING * abs(before):
                 return here

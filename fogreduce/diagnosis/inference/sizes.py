@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import Candidate
+from fogreduce.diagnosis.inference.evidence import Fit
 from fogreduce.effects.model import Parameter
 from fogreduce.effects.table import EFFECTS
 
@@ -30,3 +31,14 @@ def size_scales(realistic: tuple[float, float]) -> tuple[Array, Array]:
     scales += [high * factor for factor, _ in priors.ABOVE]
     weights += [weight for _, weight in priors.ABOVE]
     return np.array(scales), np.log(np.array(weights) / sum(weights))
+
+
+def believed(fit: Fit) -> bool:
+    """Whether a candidate is no larger at its best point than is believed of its effect."""
+    c = fit.candidate
+    if c.fixed:
+        return True
+    realistic = c.realistic or size_parameter(c).realistic
+    assert realistic is not None, f"{c.effect}: an amplitude needs a realistic range"
+    size = float(np.linalg.norm(fit.coefficients * c.steps[fit.best]))
+    return size <= priors.LARGEST * priors.ABOVE[-1][0] * realistic[1]

@@ -8,15 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
 from fogreduce.diagnosis.inference.evidence import Field, Fit
 from fogreduce.diagnosis.inference.gross import gross
+from fogreduce.diagnosis.inference.ground import Ground, State
 from fogreduce.diagnosis.inference.library import Library, at_point
 from fogreduce.diagnosis.inference.model import modelled_change
-from fogreduce.diagnosis.inference.noise_model import Metric
+from fogreduce.diagnosis.inference.noise_model import Metric, Rows
 from fogreduce.diagnosis.inference.regression import Member
-from fogreduce.diagnosis.inference.search import Ground, Search, State
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.sets import CauseSet, SetSearch
+from fogreduce.effects.gyro_names import gyro_name
 
 Array = NDArray[np.float64]
 
@@ -45,6 +48,9 @@ class SlowPosterior:
         What the sets were held against: linear about the best one.
     columns : (rows, P) array
         Of the regression, whitened.
+    unclosed : tuple of int
+        Gyros with a gross gap that no set of causes closes; what is found there is held against a noise that
+        has the rest of it.
     """
 
     sets: SetSearch
@@ -54,6 +60,7 @@ class SlowPosterior:
     metric: Metric
     y: Array
     columns: Array
+    unclosed: tuple[int, ...] = ()
 
     @property
     def log_evidence(self) -> float:
@@ -62,6 +69,10 @@ class SlowPosterior:
         noise = sum(float(np.sum(np.log(np.diag(matrix)))) for matrix in whiten.filters.values())
         _, size = np.linalg.slogdet(np.eye(len(self.metric.inner)) + self.metric.inner)
         return noise - 0.5 * (Field.of(self.metric, self.y).chi2 + float(size)) + self.best.score
+
+    def beside(self, here: CauseSet) -> tuple[Metric, Array]:
+        """The metric in which a set's amplitudes are free, and the residual less what has no amplitude."""
+        return _free(self.columns, self.metric, self.y, self.sets, here)
 
     def fit(self, entry: int) -> Fit:
         """A cause of the best set as the fit of its candidate."""
@@ -94,28 +105,105 @@ def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) 
     first = gross(search, search.state(given, ground, refine=False))
     given, state = [*given, *first.settled], first.state
     about = _about(search, state, first.others)
+    unclosed = _unclosed(search, given, about)
+    if unclosed:
+        # what is gross and has a name stays; no more is named of those gyros
+        given, whole = state.causes, _squares(state.field.metric, state.field.y, state.ground.whiten.rows)
+        times = {i: max(float(np.sqrt(whole[i])), 1.0) for i in unclosed}
+        ground = search.ground_of(_base(state), times)
+        about = _about(search, search.state(given, ground, refine=False), (), unclosed)
     sets, best = _searched(about)
     for _ in range(_ROUNDS):
         entries = sets.entries(best.members)
         if not entries:
             break
-        causes = [cause_of(sets, best, m) for m in best.members]
-        state = search.state([*given, *causes], about.ground)
+        state = _simulated(search, sets, best, given, about)
         about = _linear(search, sets, best, state, about)
         sets, best = _searched(about)
         if sets.entries(best.members) == entries:
             break
     if sets.entries(best.members) != {*_entries_of(sets, state.causes)}:
-        state = search.state([*given, *(cause_of(sets, best, m) for m in best.members)], about.ground)
-    return SlowPosterior(sets, best, state, tuple(given), about.metric, about.y, about.library.columns)
+        state = _simulated(search, sets, best, given, about)
+    columns = about.library.columns
+    return SlowPosterior(sets, best, state, tuple(given), about.metric, about.y, columns, unclosed)
 
 
-def _about(search: Search, state: State, first: Sequence[Fit]) -> _About:
-    """The candidates of a ground; gross causes in its chain stand among them as they were fitted."""
+def _simulated(
+    search: Search, sets: SetSearch, best: CauseSet, given: Sequence[Cause], about: _About
+) -> State:
+    """The causes of a set, fitted on the simulator beside those given."""
+    return search.state([*given, *(cause_of(sets, best, m) for m in best.members)], about.ground)
+
+
+def _base(state: State) -> list[Cause]:
+    """Causes that a ground has in its noise or its chain."""
+    return [c for c in state.causes if c.process or c.key in state.ground.base]
+
+
+def _unclosed(search: Search, given: Sequence[Cause], about: _About) -> tuple[int, ...]:
+    """Gyros with a gross gap, where causes of the catalogue, however many, do not close it at sizes that are
+    believed.
+    """
+    rows = about.ground.whiten.rows
+    whole = _squares(about.metric, about.y, rows)
+    if np.sum(whole) < priors.GROSS_GAP**2:
+        return ()
+    for _ in range(_ROUNDS):
+        about.library.widened(Field.of(about.metric, about.y))
+        sets = SetSearch(about.library.regression(about.metric, about.y))
+        best = sets.grown(sets.of(about.members))
+        metric, y = _free(about.library.columns, about.metric, about.y, sets, best)
+        left = _squares(metric, y, rows)
+        sized = _believed(sets, best)
+        if np.max(left) < priors.GROSS**2 and sized:
+            return ()
+        if not sized or np.any(left > priors.DEPARTURE**2 * whole):
+            break  # no small step from the chain that it is linear about
+        about = _linear(search, sets, best, _simulated(search, sets, best, given, about), about)
+    return tuple(i for i in range(rows.n) if whole[i] >= priors.GROSS**2)
+
+
+def _believed(sets: SetSearch, best: CauseSet) -> bool:
+    """Whether no cause of a set is larger than is believed."""
+    start = 0
+    for option in (sets.regression.options[m.option] for m in best.members):
+        if option.fixed:
+            continue
+        mean = best.fit.mean[start : start + len(option.columns)]
+        start += len(option.columns)
+        if np.sum(mean**2 / option.variances[-1]) > priors.LARGEST**2:
+            return False
+    return True
+
+
+def _free(columns: Array, metric: Metric, y: Array, sets: SetSearch, here: CauseSet) -> tuple[Metric, Array]:
+    """The metric in which a set's amplitudes are free, and the residual less what has no amplitude."""
+    exact = [o.columns[0] for o in (sets.regression.options[m.option] for m in here.members) if o.fixed]
+    left = y - columns[:, exact].sum(axis=1)
+    return metric.beside(columns[:, here.fit.columns]), left
+
+
+def _squares(metric: Metric, y: Array, rows: Rows) -> Array:
+    """Squared deviates of each gyro (n,) beyond their expectation, nuisances taken out."""
+    left = metric.without(y)
+    parts = [left[rows.of(i)] for i in range(rows.n)]
+    return np.array([max(float(part @ part) - len(part), 0.0) for part in parts])
+
+
+def _about(search: Search, state: State, first: Sequence[Fit], unclosed: Sequence[int] = ()) -> _About:
+    """The candidates of a ground less those of unclosed gyros; gross causes in its chain stand among them as
+    they were fitted.
+    """
     ground = state.ground
     base = {fit.candidate.key for fit in first}
     taken = {c.key for c in state.causes} - base
-    candidates = [c for c in ground.candidates if c.key not in taken | base]
+    shut = {gyro_name(i) for i in unclosed}
+    whole = len(shut) == ground.whiten.rows.n
+    candidates = [
+        c
+        for c in ground.candidates
+        if c.key not in taken | base and not shut.issuperset(c.channels) and not (whole and c.fixed)
+    ]
     library = Library([*candidates, *(fit.candidate for fit in first)], ground.whiten.rows.total)
     if not first:
         return _About(ground, library, state.field.metric, state.field.y, ())
@@ -145,11 +233,10 @@ def _searched(about: _About) -> tuple[SetSearch, CauseSet]:
     for _ in range(_ROUNDS):
         sets = SetSearch(about.library.regression(about.metric, about.y))
         best = sets.best(members)
-        columns = about.library.columns[:, best.fit.columns]
-        exact = [o.columns[0] for o in (sets.regression.options[m.option] for m in best.members) if o.fixed]
-        left = about.y - about.library.columns[:, exact].sum(axis=1)
         members = best.members
-        if not about.library.widened(Field.of(about.metric.beside(columns), left)):
+        if not about.library.widened(
+            Field.of(*_free(about.library.columns, about.metric, about.y, sets, best))
+        ):
             break
     return sets, best
 
@@ -191,6 +278,9 @@ def _linear(search: Search, sets: SetSearch, best: CauseSet, state: State, about
         bent = [n for n in cause.theta if option.fixed or (n in SHAPES and n not in scales)]
         if bent:
             size = np.array([_cell(cause, name, search) for name in bent])
+            if option.fixed:
+                # all that it does goes with that number: by more than its error it would be free altogether
+                size = np.minimum(size, [cause.std.get(name, np.inf) for name in bent])
             free.append(_slopes(state, cause, bent) * size)
         if bent or option.fixed or SHAPES.keys() & set(scales) or cause.key in ground.base:
             block, steps = _block(search, state, cause, scales)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.noise_model import stated_actions
-from fogreduce.diagnosis.inference.search import State
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.table import EFFECTS

@@ -13,7 +13,8 @@ import numpy as np
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Field
-from fogreduce.diagnosis.inference.search import LOG_FURTHER, Option, Search, log_prior_of
+from fogreduce.diagnosis.inference.options import Option, log_prior_of
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.sets import CauseSet
 from fogreduce.diagnosis.inference.slow import SlowPosterior
 
@@ -59,7 +60,7 @@ def _in_place_of_process(search: Search, posterior: SlowPosterior, process: Caus
     state = search.state(others, search.ground_of([c for c in others if c.process]), refine=False)
     here = [o for o in search.options(state) if o.source.channels == process.channels]
     own = max((o.score for o in here if o.key == process.key), default=-np.inf)
-    odds = _odds(here).get(process.channels, -np.inf) - LOG_FURTHER
+    odds = _odds(here).get(process.channels, -np.inf) - priors.LOG_FURTHER
     return Unknown(process.channels, _probability(odds - own), frozenset({process.key}))
 
 
@@ -68,8 +69,7 @@ def _families(
 ) -> list[Option]:
     """Families of the unknown at a place beside a set, held against what the set itself was."""
     ground = posterior.state.ground
-    columns = posterior.columns[:, less.fit.columns]
-    field = Field.of(posterior.metric.beside(columns), posterior.y)
+    field = Field.of(*posterior.beside(less))
     fits = [fit for fit in ground.families.fits(field) if fit.candidate.channels == channels]
     out = [Option(fit, None, fit.log_b, log_prior_of(False, fit.candidate.share), fit.log_b) for fit in fits]
     for f in ground.processes.findings(field, search.allowed):
@@ -94,10 +94,7 @@ def _better_fits(options: list[Option], posterior: SlowPosterior, less: CauseSet
 
 def _chi2(posterior: SlowPosterior, here: CauseSet) -> float:
     """What a set leaves, its sizes free."""
-    options = [posterior.sets.regression.options[m.option] for m in here.members]
-    exact = [o.columns[0] for o in options if o.fixed]
-    left = posterior.y - posterior.columns[:, exact].sum(axis=1)
-    return Field.of(posterior.metric.beside(posterior.columns[:, here.fit.columns]), left).chi2
+    return Field.of(*posterior.beside(here)).chi2
 
 
 def _odds(options: list[Option]) -> dict[tuple[str, ...], float]:
@@ -107,7 +104,7 @@ def _odds(options: list[Option]) -> dict[tuple[str, ...], float]:
         slow = o.fit is not None or o.process
         if not o.known and slow:
             out[o.source.channels] = float(
-                np.logaddexp(out.get(o.source.channels, -np.inf), o.score + LOG_FURTHER)
+                np.logaddexp(out.get(o.source.channels, -np.inf), o.score + priors.LOG_FURTHER)
             )
     return out
 

@@ -8,16 +8,20 @@ from dataclasses import replace
 import numpy as np
 
 from fogreduce.diagnosis import priors
-from fogreduce.diagnosis.inference.evidence import Fit
+from fogreduce.diagnosis.inference.candidate import EVERY
+from fogreduce.diagnosis.inference.evidence import Field, Fit
 from fogreduce.diagnosis.inference.full_rate import FullRateCauses, full_rate_causes
 from fogreduce.diagnosis.inference.gross import gross
+from fogreduce.diagnosis.inference.ground import State
+from fogreduce.diagnosis.inference.options import Option
 from fogreduce.diagnosis.inference.outcome import Named, Verdict, in_its_place
-from fogreduce.diagnosis.inference.processes import with_processes
+from fogreduce.diagnosis.inference.processes import process_price, with_processes
 from fogreduce.diagnosis.inference.regression import additions
 from fogreduce.diagnosis.inference.rivals import Inclusion, inclusions
-from fogreduce.diagnosis.inference.search import Option, Search
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.slow import SlowPosterior, fit_of
 from fogreduce.diagnosis.inference.unknown import Unknown, unknowns
+from fogreduce.effects.table import EFFECTS
 
 _MOST_MANY, _MOST_ONE = 4, 8  # members of a group, of several runs and of one
 
@@ -31,7 +35,7 @@ def verdict_of_sets(search: Search) -> Verdict:
     state = posterior.state
     named = _named(search, posterior, full_rate, left)
     unknown = max([one.probability for one in left], default=0.0)
-    if full_rate.unknown:
+    if full_rate.unknown or posterior.unclosed:
         unknown = 1.0
     gone = {key for one in left if one.probability >= 0.5 for key in one.instead}
     gone |= _unheard(posterior)
@@ -40,12 +44,29 @@ def verdict_of_sets(search: Search) -> Verdict:
         numbers = {k: number for number, k in enumerate(kept)}
         state = search.state([state.causes[k] for k in kept], state.ground)
         named = [replace(one, index=numbers[one.index]) for one in named if one.index in numbers]
+    state = _led(search, state, named)
+    if posterior.unclosed:
+        # what is left there is held against the noise of the record
+        base = [c for c in state.causes if c.process or c.key in state.ground.base]
+        state = search.state(state.causes, search.ground_of(base), refine=False)
     word = "explained" if unknown < 0.5 else "partly_explained"
     if not named:
         word = "unexplained" if unknown >= 0.5 else "no_gap"
     gap = max([unknown, *(one.group_probability for one in named)], default=0.0)
     ranked = tuple(sorted(named, key=lambda one: -one.probability))
     return Verdict(word, gap, unknown, state, search.options(state), ranked)
+
+
+def _led(search: Search, state: State, named: Sequence[Named]) -> State:
+    """The state in which each group's most probable member leads."""
+    causes = list(state.causes)
+    for one in named:
+        if one.group and one.group[0][0].key not in {c.key for c in causes}:
+            causes[one.index] = one.group[0][0].cause()
+    if [c.key for c in causes] == [c.key for c in state.causes]:
+        return state
+    base = [c for c in causes if c.process or c.key in state.ground.base]
+    return search.state(causes, search.ground_of(base))
 
 
 def _unheard(posterior: SlowPosterior) -> set[tuple[object, ...]]:
@@ -68,7 +89,8 @@ def _named(
     out = []
     for index, cause in enumerate(causes):
         if cause.key in known:
-            out.append(_of_sets(posterior, known[cause.key], index, most))
+            walks = _processes_instead(search, posterior, known[cause.key].entry)
+            out.append(_of_sets(posterior, known[cause.key], walks, index, most))
             continue
         if cause.finding is None or cause.process:
             out.append(in_its_place(search, posterior.state, index, most))
@@ -80,23 +102,41 @@ def _named(
     return out
 
 
-def _of_sets(posterior: SlowPosterior, one: Inclusion, index: int, most: int) -> Named:
-    """A cause in block means: its rivals are what replaces it in other sets."""
-    least = max([one.probability, *(p for _, p in one.rivals)]) * np.exp(-priors.RIVAL)
-    own = _option(posterior.fit(one.entry))
-    group = [(own, one.probability)]
+def _processes_instead(search: Search, posterior: SlowPosterior, entry: int) -> list[tuple[Option, float]]:
+    """Random processes that could stand for a drift, with their odds over it."""
+    key = posterior.sets.regression.entries[entry].key
+    if len(key[1]) != 1 or not (EFFECTS[key[0]].drifts or key[2] != EVERY):
+        return []
+    less = posterior.sets.without(posterior.best, [entry])
+    lost = posterior.best.score - less.score
+    field = Field.of(*posterior.beside(less))
+    out = []
+    for found in posterior.state.ground.processes.findings(field, search.allowed):
+        if found.known and found.channels == key[1]:
+            score = found.log_b + process_price(found)
+            out.append((Option(None, found, found.log_b, score - found.log_b), float(np.exp(score - lost))))
+    return out
+
+
+def _of_sets(
+    posterior: SlowPosterior, one: Inclusion, walks: Sequence[tuple[Option, float]], index: int, most: int
+) -> Named:
+    """A cause in block means: its rivals are what replaces it in other sets, and processes in its stead."""
+    whole = 1.0 + one.probability * sum(odds for _, odds in walks)
+    own = one.probability / whole
+    group = [(_option(posterior.fit(one.entry)), own)]
+    group += [(option, own * odds) for option, odds in walks]
     less = posterior.sets.without(posterior.best, [one.entry])
     more = additions(posterior.sets.regression, less.fit)
     for entry, chance in one.rivals:
         numbers = posterior.sets.regression.of_entry[entry]
-        if chance < least or len(group) >= most or not np.any(np.isfinite(more.gain[numbers])):
-            continue
-        best = max(numbers, key=lambda n: float(more.gain[n]))
-        there = posterior.sets.with_option(less, best, more)
-        group.append((_option(fit_of(posterior.sets, there, there.members[-1])), chance))
+        if np.any(np.isfinite(more.gain[numbers])):
+            best = max(numbers, key=lambda n: float(more.gain[n]))
+            there = posterior.sets.with_option(less, best, more)
+            group.append((_option(fit_of(posterior.sets, there, there.members[-1])), chance / whole))
     group.sort(key=lambda pair: -pair[1])
-    whole = min(one.probability + sum(p for o, p in group if o is not own), 1.0)
-    return Named(index, one.probability, whole, tuple(group))
+    group = [pair for pair in group if pair[1] >= group[0][1] * np.exp(-priors.RIVAL)][:most]
+    return Named(index, group[0][1], min(sum(p for _, p in group), 1.0), tuple(group))
 
 
 def _option(fit: Fit) -> Option:

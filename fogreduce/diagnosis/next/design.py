@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.model import simulated
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener, nuisances, whitener
+from fogreduce.diagnosis.inference.options import Option
 from fogreduce.diagnosis.inference.outcome import Named, Verdict
-from fogreduce.diagnosis.inference.search import Option, Search
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.next.runs import (
     ANY_BENCH,
     DURATIONS,

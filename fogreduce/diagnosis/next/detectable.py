@@ -1,7 +1,7 @@
 """What a planned campaign would show: the smallest amplitude of each effect that would be seen, before any
 capture exists, and which effects it could not tell apart.
 
-An effect is seen where the odds for a gap are even or better: its evidence (`inference/search`) times its
+An effect is seen where the odds for a gap are even or better: its evidence (`inference/evidence`) times its
 prior. What the evidence would be is worked out at the expected data; noise then moves the square root of
 twice the gain in ln likelihood by one standard deviation.
 """
@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.inference.search import LOG_GAP, log_prior_of
+from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.options import log_prior_of
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
 from fogreduce.metadata.part import Part
@@ -86,7 +87,7 @@ class Row:
 
 def threshold(share: float) -> float:
     """Ln of evidence at which an effect's odds are even; `share`: of its name's prior that its place has."""
-    return -(log_prior_of(True, share) + float(LOG_GAP))
+    return -(log_prior_of(True, share) + float(priors.LOG_GAP))
 
 
 def crossing(function: Callable[[float], float], low: float, high: float) -> float | None:

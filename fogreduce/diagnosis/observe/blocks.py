@@ -59,17 +59,20 @@ class Blocks:
         count = max(int(duration / length + 1e-9), 1)
         length = min(length, duration / count)
         edged = further.union(np.floor((facts.profile.edges_s + 1e-9) / length).astype(np.intp).tolist())
-        inside = (np.arange(_INSIDE) + 0.5) * length / _INSIDE
+        inside = (np.arange(_INSIDE) + 0.5) / _INSIDE
         times, first, total = [], [], 0
         for k in range(count):
             start, end = k * length, (k + 1) * length
+            low, high = int(np.ceil(start * rate - 1e-6)), int(np.ceil(end * rate - 1e-6))
+            index = np.arange(low, max(high, low + 1))
             if k in edged:
                 # where the rate jumps, the very instants of the samples count
-                low, high = int(np.ceil(start * rate - 1e-6)), int(np.ceil(end * rate - 1e-6))
-                index = np.arange(low, max(high, low + 1))
                 at = index[:: max(1, len(index) // _AT_EDGE)] / rate
+            elif len(index) <= _INSIDE:
+                at = index / rate
             else:
-                at = start + inside
+                # a sample stands for half a step before it and half a step after
+                at = (low - 0.5 + inside * len(index)) / rate
             times.append(at)
             first.append(total)
             total += len(at)

@@ -8,7 +8,7 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from fogreduce.diagnosis.inference.evidence import LOG_WEIGHTS, SCALES, Field, log_bayes
-from fogreduce.diagnosis.inference.noise_model import Metric
+from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener
 from fogreduce.diagnosis.inference.significance import deviate
 from fogreduce.physics.special import log_chi2_tail
 
@@ -49,3 +49,11 @@ def test_chi_squared_of_noise_is_its_number_of_rows() -> None:
 def test_a_deviate_squared_is_one_degree_of_freedom(z: float) -> None:
     # chi-squared of one degree has two tails
     assert deviate(log_chi2_tail(z * z, 1) - np.log(2.0)) == pytest.approx(z, rel=2e-3)
+
+
+def test_a_coarser_noise_counts_less_of_one_gyro_alone() -> None:
+    rows = Rows((3, 2), 2)
+    filters = {(i, r): np.eye(rows.counts[r]) for i in range(2) for r in range(2)}
+    white = Whitener(rows, filters).coarser({1: 4.0})(np.ones((rows.total, 1)))[:, 0]
+    np.testing.assert_allclose(white[rows.of(0)], 1.0)
+    np.testing.assert_allclose(white[rows.of(1)], 0.25)

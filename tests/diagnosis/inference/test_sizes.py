@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fogreduce.diagnosis.inference.sizes import size_scales
+from fogreduce.diagnosis.inference.candidate import Candidate
+from fogreduce.diagnosis.inference.evidence import Fit
+from fogreduce.diagnosis.inference.sizes import believed, size_scales
 from fogreduce.effects.table import EFFECTS
 
 
@@ -32,4 +34,19 @@ def test_a_size_a_hundred_times_too_large_is_paid_for() -> None:
     def density_in_log(x: float) -> float:
         return x * float(np.sum(np.exp(logs) * np.exp(-0.5 * (x / scales) ** 2) / scales))
 
-    assert density_in_log(2000.0) < 0.2 * density_in_log(2.0)
+    assert density_in_log(2000.0) < 0.02 * density_in_log(2.0)
+
+
+@pytest.mark.parametrize(("deg_h", "is_it"), [(400.0, True), (-400.0, True), (3000.0, False)])
+def test_a_bias_of_more_than_a_hundred_times_the_range_is_not_believed(deg_h: float, is_it: bool) -> None:
+    one = Candidate(
+        "bias_offset",
+        ("gyro1",),
+        ("*",),
+        slice(0, 1),
+        np.ones((1, 1, 1)),
+        ({},),
+        ("deg_h",),
+        np.full((1, 1), 0.5),
+    )
+    assert believed(Fit(one, 0.0, 0, 0.0, np.array([deg_h / 0.5]), np.eye(1))) is is_it

@@ -11,7 +11,8 @@ import pytest
 from bench_lab import ONE_GYRO, lab, simulated
 
 from fogreduce.cli.main import main
-from fogreduce.diagnosis.inference.search import LOG_GAP, Search
+from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.next.detectable import Row, crossing, detectable, groups, threshold
 from fogreduce.diagnosis.observe.data import read_data
 from fogreduce.effects.table import EFFECTS
@@ -118,7 +119,7 @@ def test_at_the_stated_amplitude_the_stated_share_is_seen(tmp_path, effect) -> N
         bench = simulated(tmp_path, [entry], "bench", 500 + seed)
         search = Search(read_data(bench, tmp_path / "cal"), frozenset(EFFECTS))
         options = search.options(search.state([], search.ground))
-        seen += bool(np.logaddexp.reduce([option.score for option in options]) + LOG_GAP > 0.0)
+        seen += bool(np.logaddexp.reduce([option.score for option in options]) + priors.LOG_GAP > 0.0)
         shutil.rmtree(bench)
     # of 20 at 0.9: fewer than 14 once in 400 times
     assert seen >= 14
