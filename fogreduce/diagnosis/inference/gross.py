@@ -12,6 +12,7 @@ from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Fit
 from fogreduce.diagnosis.inference.ground import State
+from fogreduce.diagnosis.inference.library import OF_FULL_RATE
 from fogreduce.diagnosis.inference.model import DELAYS
 from fogreduce.diagnosis.inference.options import log_prior_of
 from fogreduce.diagnosis.inference.search import Search
@@ -54,6 +55,7 @@ def gross(search: Search, state: State) -> Gross:
     out = {c.key for c in state.causes}
     while True:
         fits = [f for f in search.fits(state) if f.candidate.key not in out]
+        fits = [f for f in fits if f.candidate.effect not in OF_FULL_RATE]
         best = max(fits, key=lambda f: f.log_b + log_prior_of(True, f.candidate.share), default=None)
         if best is None or best.q <= priors.GROSS**2:
             break

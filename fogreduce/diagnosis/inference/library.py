@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 #: Grids of more columns than this enter the regression by their best points alone.
 _WHOLE = 40
 #: Effects whose block means only echo what the full rate shows: that is where they are looked for.
-_OF_FULL_RATE = frozenset({"low_pass"})
+OF_FULL_RATE = frozenset({"low_pass"})
 
 
 class Library:
@@ -35,7 +35,7 @@ class Library:
     """
 
     def __init__(self, candidates: Sequence[Candidate], rows: int) -> None:
-        self.candidates = [c for c in candidates if c.effect not in _OF_FULL_RATE]
+        self.candidates = [c for c in candidates if c.effect not in OF_FULL_RATE]
         self.rows = rows
         places = Counter((c.effect, _common(c)) for c in self.candidates)
         self.entries: list[Entry] = []
