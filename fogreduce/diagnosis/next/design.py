@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.causes import SHAPES, Cause
 from fogreduce.diagnosis.inference.model import simulated
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener, nuisances, whitener
 from fogreduce.diagnosis.inference.options import Option
@@ -38,6 +38,8 @@ from fogreduce.effects.table import EFFECTS
 from fogreduce.metadata.bench import Bench
 
 Array = NDArray[np.float64]
+#: Inner products of two rivals' numbers, of each with itself and with the other.
+Blocks = Sequence[Sequence[Array]]
 
 _MOST_RIVALS = 8
 _PROMISING_SIGMA = 3.0  # separation from which on a longer run is worth a try [sigma]
@@ -114,13 +116,28 @@ def _best(separations: _Separations, runs: Sequence[Proposal], weight: Array) ->
     return best[1]
 
 
-def _today(search: Search, verdict: Verdict, rivals: Sequence[Cause]) -> Array:
-    """Inner products (rivals, rivals) of what the rivals change in today's runs."""
+def _today(search: Search, verdict: Verdict, rivals: Sequence[Cause]) -> list[list[Array]]:
+    """Inner products of what units of the rivals' numbers change in today's runs, of each pair (k, l)."""
     ground = verdict.state.ground
-    plain = simulated(search.data.inputs, [], ground.whiten.rows)
-    changes = [simulated(search.data.inputs, [c], ground.whiten.rows) - plain for c in rivals]
-    white = ground.whiten(np.column_stack(changes))
-    return ground.metric.gram(white, white)
+    inputs, rows = search.data.inputs, ground.whiten.rows
+    plain = simulated(inputs, [], rows)
+    parts = [np.column_stack([simulated(inputs, [u], rows) - plain for u in _units(c)]) for c in rivals]
+    white = [ground.whiten(part) for part in parts]
+    return [[ground.metric.gram(a, b) for b in white] for a in white]
+
+
+def _units(cause: Cause) -> list[Cause]:
+    """A cause at a unit of each of its numbers alone; as it was fitted where it has no more than one."""
+    names = [name for name in cause.theta if name not in SHAPES]
+    if len(names) < 2:
+        return [cause]
+    return [replace(cause, theta={**cause.theta, **dict.fromkeys(names, 0.0), name: 1.0}) for name in names]
+
+
+def _sizes(cause: Cause) -> Array:
+    """Those numbers (k,)."""
+    names = [name for name in cause.theta if name not in SHAPES]
+    return np.array([cause.theta[name] for name in names]) if len(names) > 1 else np.ones(1)
 
 
 def _evidence(one: Named, own: Cause, others: Sequence[Option]) -> Array:
@@ -129,22 +146,33 @@ def _evidence(one: Named, own: Cause, others: Sequence[Option]) -> Array:
     return np.array([mine, *(o.log_b for o in others)])
 
 
-def separation_squared(today: Array, new: Array) -> float:
-    """Squared distance of two rivals in all runs, the one at its fitted size, the other at any.
+def separation_squared(today: Blocks, new: Blocks, sizes: tuple[Array, Array]) -> float:
+    """Squared distance of two rivals in all runs, the one at its fitted size, the other at any, and in any
+    direction.
 
     Parameters
     ----------
-    today, new : (2, 2) arrays
-        Inner products of what the two change, in the runs that there are and in the new one.
+    today, new : 2 x 2 blocks
+        Inner products of what units of the two's numbers change, in the runs that there are and in the new
+        one.
+    sizes : pair of (k,) arrays
+        Their numbers as fitted.
     """
-    gram = today + new
-    if min(today[0, 0], today[1, 1]) <= 0.0:
+    if min(float(np.trace(today[k][k])) for k in (0, 1)) <= 0.0:
         # a random process has no change of its own to be scaled
-        return float(new[0, 0] + new[1, 1] - 2.0 * new[0, 1])
-    apart = [gram[k, k] - gram[0, 1] ** 2 / gram[1 - k, 1 - k] for k in (0, 1)]
-    before = [today[k, k] - today[0, 1] ** 2 / today[1 - k, 1 - k] for k in (0, 1)]
+        own = [float(sizes[a] @ new[a][b] @ sizes[b]) for a, b in ((0, 0), (1, 1), (0, 1))]
+        return own[0] + own[1] - 2.0 * own[2]
+    whole = [[today[a][b] + new[a][b] for b in (0, 1)] for a in (0, 1)]
     # what today's runs have said already is not said again
-    return max(float(min(a - b for a, b in zip(apart, before, strict=True))), 0.0)
+    said = [_left(whole, k, sizes[k]) - _left(today, k, sizes[k]) for k in (0, 1)]
+    return max(min(said), 0.0)
+
+
+def _left(gram: Blocks, k: int, sizes: Array) -> float:
+    """What is left of one rival beside the other."""
+    cross = gram[k][1 - k]
+    beside = cross @ np.linalg.pinv(gram[1 - k][1 - k], rcond=1e-10, hermitian=True) @ cross.T
+    return float(sizes @ (gram[k][k] - beside) @ sizes)
 
 
 def confusion(separation: Array, weight: Array) -> float:
@@ -194,7 +222,7 @@ class _Separations:
     search: Search
     rivals: Sequence[Cause]
     evidence: Array
-    today: Array
+    today: list[list[Array]]
     _known: dict[tuple[object, ...], Whitener] = field(default_factory=dict)
 
     def separation(self, proposal: Proposal, stated: bool = True) -> Array:
@@ -212,21 +240,22 @@ class _Separations:
         columns = nuisances([here]) if stated else np.zeros((plain.size, 0))
         metrics: dict[int, Metric] = {}
         changes = [self._change(here, cause, plain) for cause in self.rivals]
-        size = len(self.rivals)
+        size, sizes = len(self.rivals), [_sizes(c) for c in self.rivals]
         out = np.zeros((size, size))
         for a, b in combinations(range(size), 2):
             if any(self._at_full_rate(k) for k in (a, b)):
                 # what these runs say for one against the other grows with time, whatever the table does
-                today = sum(one.run.duration_s for one in inputs)
-                said = 2.0 * abs(self.evidence[a] - self.evidence[b]) * proposal.duration_s / today
+                seconds = sum(one.run.duration_s for one in inputs)
+                said = 2.0 * abs(self.evidence[a] - self.evidence[b]) * proposal.duration_s / seconds
                 d2 = said
             else:
                 whiten = self._whitener(here, [self.rivals[a], self.rivals[b]])
                 if id(whiten) not in metrics:
                     metrics[id(whiten)] = Metric.of(whiten(columns))
-                both = whiten(np.column_stack([changes[a], changes[b]]))
-                pair = np.ix_([a, b], [a, b])
-                d2 = separation_squared(self.today[pair], metrics[id(whiten)].gram(both, both))
+                white = [whiten(changes[k]) for k in (a, b)]
+                new = [[metrics[id(whiten)].gram(x, y) for y in white] for x in white]
+                today = [[self.today[k][m] for m in (a, b)] for k in (a, b)]
+                d2 = separation_squared(today, new, (sizes[a], sizes[b]))
             out[a, b] = out[b, a] = np.sqrt(max(d2, 0.0))
         return out
 
@@ -235,14 +264,15 @@ class _Separations:
         return not cause.slow and not cause.process
 
     def _change(self, here: RunInput, cause: Cause, plain: Array) -> Array:
-        """What a rival changes in the block means of a run, (rows,) [deg/h]."""
+        """What units of a rival's numbers change in the block means of a run, (rows, k) [deg/h]."""
+        units = _units(cause)
         cold = EFFECTS[cause.effect].needs_temperature and here.scene.temperature is None
         if cold or not cause.slow or cause.runs != ("*",):
-            return np.zeros(plain.size)
-        action = cause.action([RUN_ID], here.facts.n_gyros)
+            return np.zeros((plain.size, len(units)))
         here = replace(here, facts=replace(here.facts, run_id=RUN_ID))
         scene = replace(here.scene, facts=here.facts)
-        return np.asarray((scene.block_means([action]) - plain).reshape(-1))
+        actions = [unit.action([RUN_ID], here.facts.n_gyros) for unit in units]
+        return np.column_stack([(scene.block_means([one]) - plain).reshape(-1) for one in actions])
 
     def _whitener(self, here: RunInput, pair: Sequence[Cause]) -> Whitener:
         """Of runs of one length; a rival that is a random process is part of the noise."""

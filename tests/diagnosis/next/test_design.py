@@ -23,8 +23,17 @@ def test_confusion_is_that_of_chernoff() -> None:
 def test_a_rival_of_any_size_is_as_far_as_its_direction() -> None:
     # in one run both rivals change the same (10 sigma); in the next the one changes 10, the other nothing:
     # the best of (1, 1) and (c, 0) leaves 10 / sqrt(2)
-    today = np.full((2, 2), 100.0)
-    assert separation_squared(today, np.array([[100.0, 0.0], [0.0, 0.0]])) == pytest.approx(50.0)
+    ten, nothing, sizes = np.array([[100.0]]), np.zeros((1, 1)), (np.ones(1), np.ones(1))
+    today, new = [[ten, ten], [ten, ten]], [[ten, nothing], [nothing, nothing]]
+    assert separation_squared(today, new, sizes) == pytest.approx(50.0)
+
+
+def test_a_rival_of_free_direction_makes_any_one_run() -> None:
+    # the second number shows in the next run alone: it can make there whatever the first rival does
+    one, other = np.array([[10.0], [10.0]]), np.array([[10.0, 0.0], [0.0, 7.0]])
+    parts = [(one[k : k + 1], other[k : k + 1]) for k in (0, 1)]
+    today, new = ([[a.T @ b for b in part] for a in part] for part in parts)
+    assert separation_squared(today, new, (np.ones(1), np.array([1.0, 0.5]))) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_what_is_not_told_apart_is_left() -> None:
