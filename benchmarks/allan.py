@@ -14,7 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from fogreduce.characterise.allan import channel_of
+from fogreduce.characterise.allan_channel import channel_of
 from fogreduce.estimate.allan_variance import Series, overlapping
 
 GYROS, SAMPLES, RATE_HZ, TIMES, ROUNDS = 4, 768_000, 128.0, 100, 5

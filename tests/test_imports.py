@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,39 @@ def imported(path: Path, root: Path) -> list[tuple[int, str]]:
                 if isinstance(text, ast.Constant) and isinstance(text.value, str):
                     found.append((node.lineno, text.value))
     return found
+
+
+def circle(root: Path) -> list[str]:
+    """Modules that import each other in a circle, inside rooms too; empty where there is none.
+
+    The package's own __init__, which offers names lazily, is left out.
+    """
+    names = {
+        ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in modules(root)
+    }
+    imports: dict[str, set[str]] = {}
+    for module, path in names.items():
+        imports[module] = set()
+        for _, name in imported(path, root):
+            while name and name not in names:  # a name in a module, not a module
+                name = name.rpartition(".")[0]
+            if name not in ("", PACKAGE, module):
+                imports[module].add(name)
+    try:
+        list(TopologicalSorter(imports).static_order())
+    except CycleError as error:
+        return [str(module) for module in error.args[1]]
+    return []
+
+
+def test_no_module_imports_itself_by_way_of_others(repository, tmp_path) -> None:
+    assert circle(repository) == []
+    (tmp_path / PACKAGE / "physics").mkdir(parents=True)
+    (tmp_path / PACKAGE / "physics" / "one.py").write_text("from fogreduce.physics.two import that\n")
+    late = "def that():\n    from fogreduce.physics import one\n"
+    (tmp_path / PACKAGE / "physics" / "two.py").write_text(late)
+    assert set(circle(tmp_path)) == {"fogreduce.physics.one", "fogreduce.physics.two"}
 
 
 def test_every_room_has_its_place(repository) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from fogreduce.characterise.allan import Allan, Channel, Deviations
+from fogreduce.characterise.allan_channel import Channel, Deviations
 from fogreduce.characterise.allan_fit import model_variance
 from fogreduce.characterise.allan_freedom import Kind, limits
 from fogreduce.plotting import style
@@ -18,17 +21,19 @@ _POINTS_PER_DECADE = 4  # with limits, of the many averaging times; the line goe
 LIMITS_LABEL = "limits, 95 % (thin) and 68 %"
 
 
-def draw_result(result: Allan, kind: Kind = "overlapping") -> Figure:
-    """Deviations of every sample above, spectral densities below; gyros on the left, axes on the right."""
-    about = result.about
+def draw_result(channels: Sequence[Channel], about: Mapping[str, Any], kind: Kind = "overlapping") -> Figure:
+    """Deviations of every sample above, spectral densities below; gyros on the left, axes on the right.
+
+    `about`: campaign, run_id, version_id and label of the data, as far as there are any.
+    """
     identity = style.Identity(
         str(about.get("campaign", "")),
         str(about.get("run_id", "arrays")),
         str(about.get("version_id", "none")),
         str(about.get("label", "")),
     )
-    axes_names = [one for one in result.channels if one.name in ("x", "y", "z")]
-    others = [one for one in result.channels if one not in axes_names]
+    axes_names = [one for one in channels if one.name in ("x", "y", "z")]
+    others = [one for one in channels if one not in axes_names]
     groups = [group for group in (others, axes_names) if group]
     title = f"{kind.capitalize()} Allan deviation and spectral density"
     figure, rows = style.panels(identity, title, 2, 4.1, (1.0,) * len(groups), sharing=False)

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.characterise.allan import KINDS, Allan, channel_of
+from fogreduce.characterise.allan_channel import KINDS, channel_of
 from fogreduce.characterise.allan_freedom import Kind
+from fogreduce.characterise.allan_result import Allan
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.datasets.flags import UNUSABLE_AXES, UNUSABLE_RECORD
 from fogreduce.errors import BadInput

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fogreduce.characterise.allan import Allan
 from fogreduce.characterise.allan_freedom import limits
+from fogreduce.characterise.allan_result import Allan
 from fogreduce.stages.tables import Cell, write_table
 
 _LIMITS = ("low_68_deg_h", "high_68_deg_h", "low_95_deg_h", "high_95_deg_h")

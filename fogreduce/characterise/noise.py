@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.characterise.allan import channel_of
+from fogreduce.characterise.allan_channel import channel_of
 from fogreduce.characterise.allan_fit import NOISES, Coefficient
 from fogreduce.characterise.parity import residual_rates
 from fogreduce.characterise.quantity import K95, Quantity, normal, undetermined

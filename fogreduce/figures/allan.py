@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from fogreduce.characterise.allan import channel_of
+from fogreduce.characterise.allan_channel import channel_of
 from fogreduce.characterise.allan_figure import LIMITS_LABEL, draw_limits, log_log
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.estimate.coloured import ColouredNoise

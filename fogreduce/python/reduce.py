@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from fogreduce.characterise.allan import Allan
+    from fogreduce.characterise.allan_result import Allan
 
 Folder = str | os.PathLike[str]
 

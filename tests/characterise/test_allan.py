@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fogreduce
-from fogreduce.characterise.allan import channel_of
+from fogreduce.characterise.allan_channel import channel_of
 from fogreduce.characterise.allan_covariance import covariance
 from fogreduce.characterise.allan_distribution import relative_limits
 from fogreduce.characterise.allan_freedom import degrees_of_freedom, limits

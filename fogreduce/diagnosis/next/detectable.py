@@ -8,102 +8,24 @@ twice the gain in ln likelihood by one standard deviation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fogreduce.diagnosis import priors
-from fogreduce.diagnosis.inference.options import log_prior_of
+from fogreduce.diagnosis.next.detectable_fast import fast_rows
+from fogreduce.diagnosis.next.detectable_row import Row
+from fogreduce.diagnosis.next.detectable_slow import slow_rows
+from fogreduce.diagnosis.observe.capture import read_inputs
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
 from fogreduce.metadata.part import Part
 
-Array = NDArray[np.float64]
-
 SCHEMA = "fogreduce/detectable/1"
 #: What is said of effects of a temperature that is not logged (`which/catalogue/unlogged`).
 UNLOGGED = "without a temperature log in every run it shows as a smooth random drift, which has no amplitude"
-#: Separation below which two effects are not told apart for sure [sigma].
-SEPARATED_SIGMA = 4.0
-
-
-@dataclass(frozen=True)
-class Row:
-    """One effect at one place.
-
-    Attributes
-    ----------
-    effect : str
-    channels, runs : tuples of str
-        As an effects file has them.
-    parameter : str
-        What `amplitude` is; empty for an effect that has no size.
-    amplitude : float or None
-        The smallest that is seen with the probability asked for; None where none is, or where it has no size.
-    seen : bool
-        Whether it can be seen at all.
-    at : mapping
-        The other parameters at which this holds.
-    rivals : tuple of str
-        What it could not be told from, as `label` has them.
-    """
-
-    effect: str
-    channels: tuple[str, ...]
-    runs: tuple[str, ...]
-    parameter: str
-    amplitude: float | None
-    seen: bool
-    at: Mapping[str, Any] = field(default_factory=dict)
-    rivals: tuple[str, ...] = ()
-
-    @property
-    def label(self) -> str:
-        """Effect, channels, other gyro, run."""
-        other = self.at.get(EFFECTS[self.effect].other, "")
-        pair = f" from {other}" if other else ""
-        runs = "" if self.runs == ("*",) else f" in {', '.join(self.runs)}"
-        return f"{self.effect} {', '.join(self.channels)}{pair}{runs}"
-
-    def document(self, raw_unit: str) -> dict[str, Any]:
-        """As detectable.json has it, for gyros that are read in `raw_unit`."""
-        of = [p.unit_in(raw_unit) for p in EFFECTS[self.effect].parameters if p.name == self.parameter]
-        return {
-            "effect": self.effect,
-            "channels": list(self.channels),
-            "runs": list(self.runs),
-            "parameter": self.parameter,
-            "unit": of[0] if of else "",
-            "amplitude": self.amplitude,
-            "seen": self.seen,
-            "at": dict(self.at),
-            "not_told_from": list(self.rivals),
-        }
-
-
-def threshold(share: float) -> float:
-    """Ln of evidence at which an effect's odds are even; `share`: of its name's prior that its place has."""
-    return -(log_prior_of(True, share) + float(priors.LOG_GAP))
-
-
-def crossing(function: Callable[[float], float], low: float, high: float) -> float | None:
-    """Where an increasing function of a size passes 0, by bisection in its logarithm; None beyond `high`."""
-    if function(high) < 0.0:
-        return None
-    if function(low) >= 0.0:
-        return low
-    a, b = np.log(low), np.log(high)
-    for _ in range(50):
-        middle = 0.5 * (a + b)
-        if function(float(np.exp(middle))) < 0.0:
-            a = middle
-        else:
-            b = middle
-    return float(np.exp(b))
 
 
 def detectable(
@@ -131,10 +53,6 @@ def detectable(
     part : Part or None
         A data sheet: it fills in what the record does not state.
     """
-    from fogreduce.diagnosis.next.detectable_fast import fast_rows
-    from fogreduce.diagnosis.next.detectable_slow import slow_rows
-    from fogreduce.diagnosis.observe.capture import read_inputs
-
     if not 0.5 <= probability < 1.0:
         raise BadInput.at("--probability", "", found=probability, expected="0.5 or more, and less than 1")
     if not 1.0 <= snr <= 1e6:

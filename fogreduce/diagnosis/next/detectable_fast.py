@@ -11,7 +11,7 @@ from scipy.special import chndtrinc, gammaincinv, ndtri
 
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.next.detectable import SEPARATED_SIGMA, Row, crossing, threshold
+from fogreduce.diagnosis.next.detectable_row import SEPARATED_SIGMA, Row, crossing, threshold
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.observe.full_rate import FIRST_LINE, PIECE
 from fogreduce.diagnosis.which.full_rate.converter import _WAVES

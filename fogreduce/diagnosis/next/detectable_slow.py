@@ -13,7 +13,7 @@ from scipy.special import chndtr, chndtrinc, ndtri
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.evidence import log_bayes, log_mean_exp
 from fogreduce.diagnosis.inference.noise_model import Metric, nuisances, whitener
-from fogreduce.diagnosis.next.detectable import SEPARATED_SIGMA, Row, crossing, threshold
+from fogreduce.diagnosis.next.detectable_row import SEPARATED_SIGMA, Row, crossing, threshold
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.diagnosis.which.catalogue.candidates import all_candidates

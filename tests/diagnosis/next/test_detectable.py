@@ -13,7 +13,8 @@ from bench_lab import ONE_GYRO, lab, simulated
 from fogreduce.cli.main import main
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.search import Search
-from fogreduce.diagnosis.next.detectable import Row, crossing, detectable, groups, threshold
+from fogreduce.diagnosis.next.detectable import detectable, groups
+from fogreduce.diagnosis.next.detectable_row import Row, crossing, threshold
 from fogreduce.diagnosis.observe.data import read_data
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput
