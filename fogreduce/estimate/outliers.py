@@ -24,6 +24,11 @@ _HALF = 4  # samples on each side in the running median
 _BURST = 1.6  # of the typical scatter: a stretch is noisier than by chance, four standard errors of its own
 _ACTIVE = 0.05  # where fewer differences than this are other than zero, the scatter is not known
 _IDLE = 8.0  # floors that stand for a scatter not known: only what is far out is spurious on a rail
+#: Quantiles 1/10 and 4/5 of the absolute difference of two normal deviates, in their standard deviations.
+_TENTH, _HIGH = 0.1256613468550741 * np.sqrt(2.0), 1.2815515655446004 * np.sqrt(2.0)
+_TWO_WIDTHS = 10.0  # the ratio of what these two say of the scatter: 1 in one noise
+_FEW_STEPS = 16  # differences of which the lowest tenth says nothing
+_PASSES = 6  # after which what is judged by its good neighbours alone no longer changes
 _SAME_STEPS = 3  # a smallest step that occurs as often is the converter's; one spike makes two
 
 #: Median of the absolute difference of two normal deviates, in their standard deviations.
@@ -79,6 +84,78 @@ def isolated(values: Values, threshold: float) -> Flags:
     padded = np.pad(values, _HALF, mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _HALF + 1)
     return np.abs(np.subtract(values, running_median(windows), dtype=np.float64)) > threshold
+
+
+def narrow_scales(steps: Values) -> tuple[NDArray[np.float64], Flags]:
+    """Standard deviation of the narrower of two noises in each row, and which rows hold two widths.
+
+    Parameters
+    ----------
+    steps : (m, N) array
+        Absolute differences of neighbours, 0 where they say nothing.
+
+    Returns
+    -------
+    scales : (m,) array
+        By the median difference; where the largest fifth is far above what the lowest tenth says, by the
+        lowest tenth: of the differences, a quarter at least are noise where half of the samples are.
+        0 where all say nothing.
+    two : (m,) array of bool
+    """
+    rows = np.sort(steps, axis=-1)
+    rising = np.count_nonzero(rows > 0.0, axis=-1)
+    zeros, last = rows.shape[-1] - rising, rows.shape[-1] - 1
+
+    def at(place: NDArray[np.intp]) -> NDArray[np.float64]:
+        found: NDArray[np.float64] = np.take_along_axis(rows, np.minimum(place, last)[:, None], axis=1)[:, 0]
+        return found
+
+    middle = at(zeros + rising // 2) / _MEDIAN_DIFFERENCE
+    lowest, high = at(zeros + rising // 10) / _TENTH, at(zeros + rising * 4 // 5) / _HIGH
+    two = (rising >= _FEW_STEPS) & (high > _TWO_WIDTHS * lowest)
+    return np.where(two, lowest, middle), two
+
+
+def dense(values: Values, repeated: Flags, threshold: float, floor: float) -> Flags | None:
+    """Spurious samples where they are many, up to a half: two widths in the differences of neighbours.
+
+    The running median of nine is taken over good neighbours alone, found in a few passes; so long as good
+    and spurious samples are mixed in each stretch, a burst of noise is none of this.
+
+    Parameters
+    ----------
+    values : (N,) array
+        Samples less what they should be: no edges of a profile in them.
+    repeated : (N - 1,) array of bool
+        Neighbours that came as the same count, which say nothing of the noise.
+    threshold, floor : float
+        Standard deviations beyond which a sample is spurious, and the least of these.
+
+    Returns
+    -------
+    (N,) array of bool, or None where fewer than a quarter of the stretches hold two widths.
+    """
+    stretches = len(repeated) // _JUDGED
+    if not stretches:
+        return None
+    steps = np.where(repeated, 0.0, np.abs(np.diff(values)))
+    scales, two = narrow_scales(steps[: stretches * _JUDGED].reshape(stretches, _JUDGED))
+    if np.count_nonzero(two) < 0.25 * stretches:
+        return None
+    place = np.minimum(np.arange(len(values)) // _JUDGED, stretches - 1)
+    limit = threshold * np.maximum(scales, floor)[place]
+    found = np.zeros(len(values), bool)
+    for _ in range(_PASSES):
+        good = np.flatnonzero(~found)
+        if good.size < 2 * _HALF + 1:
+            return found
+        around = np.clip(np.searchsorted(good, np.arange(len(values))), _HALF, good.size - 1 - _HALF)
+        windows = np.lib.stride_tricks.sliding_window_view(values[good], 2 * _HALF + 1)
+        again = np.abs(values - running_median(windows)[around - _HALF]) > limit
+        if np.array_equal(again, found):
+            break
+        found = again
+    return found
 
 
 class OutlierSearch:

@@ -95,3 +95,13 @@ def test_a_delay_that_only_jumps_show_is_known_to_a_sample(tmp_path: Path) -> No
     assert [(c["effect"], c["channels"]) for c in found["causes"]] == [("latency", ["gyro1"])]
     stated = found["causes"][0]["parameters"]["ms"]
     assert abs(stated["value"] - 2.0) < 2.0 * stated["std"] < 2.0 * 1000.0 / 64.0
+
+
+@pytest.mark.parametrize("share", [0.2, pytest.param(0.45, marks=pytest.mark.slow)])
+def test_many_spurious_counts_are_spikes(tmp_path: Path, share: float) -> None:
+    lab(tmp_path, duration_s=40.0)
+    found = diagnosed(tmp_path, simulated(tmp_path, [put("spikes", "gyro2", fraction=share)]))
+    assert found["verdict"] == "explained"
+    assert [(c["effect"], c["channels"]) for c in found["causes"]] == [("spikes", ["gyro2"])]
+    stated = found["causes"][0]["parameters"]["fraction"]
+    assert abs(stated["value"] - share) < 3.0 * stated["std"] < 0.1

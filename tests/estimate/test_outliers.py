@@ -9,7 +9,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fogreduce.estimate.outliers import CONTEXT, OutlierSearch, isolated, robust_scale, robust_scales
+from fogreduce.estimate.outliers import (
+    CONTEXT,
+    OutlierSearch,
+    dense,
+    isolated,
+    narrow_scales,
+    robust_scale,
+    robust_scales,
+)
 
 SIGMA = 300.0
 FLOOR = SIGMA / 2
@@ -263,3 +271,48 @@ def test_the_threshold_is_what_it_says() -> None:
         spikes += at.size
         assert np.count_nonzero(flags) == np.count_nonzero(flags[at])
     assert hits > 0.9 * spikes
+
+
+# ------------------------------------------------------------------------------- where they are many
+
+
+@pytest.mark.parametrize("share", [0.15, 0.2, 0.3, 0.4, 0.45])
+def test_many_spurious_samples_are_found_among_the_good(share: float) -> None:
+    rng = np.random.default_rng(int(100 * share))
+    values, struck = counts(noise(20_000)), rng.random(20_000) < share
+    values[struck] = rng.integers(-(2**30), 2**30, int(struck.sum()))
+    found = dense(values.astype(float), np.diff(values) == 0, THRESHOLD, FLOOR)
+    assert found is not None
+    # within the threshold of +-2^30, whatever its scale, a spurious count is as good as another
+    assert np.count_nonzero(found != struck) <= 2
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        noise(20_000),
+        noise(20_000) * np.repeat([1.0, 1000.0], 10_000),  # a burst of noise
+        noise(20_000) * np.repeat(np.tile([0.001, 1.0], 50), 200),  # dead by turns
+        np.clip(noise(20_000), -SIGMA, SIGMA / 4),  # a rail
+        np.rint(noise(20_000) / (3 * SIGMA)) * 3 * SIGMA,  # coarse counts
+        noise(20_000)[np.arange(20_000) // 2 * 2],  # repeats
+        np.sin(np.arange(20_000) * 0.3) * 100 * SIGMA + noise(20_000),  # a line
+        np.where(np.random.default_rng(3).random(20_000) < 0.02, 1e6, noise(20_000)),  # a few spikes
+    ],
+    ids=["noise", "burst", "dead", "rail", "coarse", "repeats", "line", "few"],
+)
+def test_what_is_one_noise_at_a_time_holds_no_two_widths(values: np.ndarray) -> None:
+    assert dense(values, np.diff(values) == 0, THRESHOLD, 1.0) is None
+
+
+def test_narrow_scales_are_those_of_the_noise() -> None:
+    values = noise(64_000)
+    struck = np.random.default_rng(1).random(values.size) < 0.2
+    plain, one = narrow_scales(np.abs(np.diff(values))[None])
+    spoilt, two = narrow_scales(np.abs(np.diff(np.where(struck, 1e8, values)))[None])
+    assert not one.any()
+    assert two.all()
+    np.testing.assert_allclose(plain, SIGMA, rtol=0.02)
+    # of differences, 68 in 100 are noise (or nil between two spikes): their tenth is farther out
+    assert SIGMA < spoilt[0] < 2.0 * SIGMA
+    assert narrow_scales(np.zeros((2, 8)))[0].tolist() == [0.0, 0.0]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.constants import MISSING_COUNT
+from fogreduce.constants import MISSING_COUNT, SECONDS_PER_HOUR
 from fogreduce.datasets.flags import GyroFlag, RecordFlag
 from fogreduce.datasets.readers import open_capture
 from fogreduce.datasets.readers.contradictions import contradictions
@@ -19,6 +19,7 @@ from fogreduce.diagnosis.observe.predict import Scene
 from fogreduce.diagnosis.observe.table_motion import table_motion
 from fogreduce.effects.selection import Action
 from fogreduce.errors import BadInput
+from fogreduce.estimate.outliers import dense
 from fogreduce.metadata.assumed import Assumed
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.config import OutliersConfig
@@ -145,6 +146,8 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
         if facts.sample_rate_hz < SLOWEST_HZ:
             flag = np.where(_as_predicted(values, predicted), flag & ~GyroFlag.SPURIOUS, flag)
         flag = np.where(_moved(values, predicted, flag, time_s, facts), flag & ~GyroFlag.SPURIOUS, flag)
+        if facts.sample_rate_hz >= SLOWEST_HZ:
+            _judge_many(values, block.raw[:, take], flag, facts)
         values[flag != 0] = np.nan
         at = _places(pulse)
         residual[:, at] = values
@@ -157,6 +160,19 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
         missing[:, at] = (flag & GyroFlag.MISSING) != 0
         stamp[at] = block.time_us[take] / 1e6 - ingest.set_back_s(block)[take]
     return Samples(residual, counts, spurious, missing, int(np.isnan(stamp).sum()), stamp)
+
+
+def _judge_many(values: Array, raw: Array, flag: NDArray[np.uint8], facts: RunFacts) -> None:
+    """Flags (n, N), in place, of gyros of which spurious counts are so many that the reduction's own search
+    takes them for noise: judged by the departures (n, N) [deg/h], which no edge of a profile is in.
+    """
+    step = facts.least_count / np.abs(facts.scale_factor) * SECONDS_PER_HOUR
+    for i, (row, flags) in enumerate(zip(values, flag, strict=True)):
+        there = np.flatnonzero((flags & GyroFlag.MISSING) == 0)
+        same = np.diff(raw[i, there]) == 0.0
+        found = dense(row[there], same, OutliersConfig().threshold_sigma, float(step[i]))
+        if found is not None:
+            flags[there] = np.where(found, GyroFlag.SPURIOUS, 0)
 
 
 def _places(pulse: NDArray[np.int64]) -> NDArray[np.int64] | slice:
