@@ -18,12 +18,12 @@ from fogreduce.pages.svg import Panel, points, some_ticks
 
 TEMPLATE = "derivation.html"
 
-#: Key in derivation.json -> words with unit.
+#: Key in derivation.json -> words, unit.
 _CHANGES = {
-    "bias_deg_h": "bias [deg/h]",
-    "scale_factor_ppm": "scale factor [ppm]",
-    "axis1_mrad": "axis, first direction [mrad]",
-    "axis2_mrad": "axis, second direction [mrad]",
+    "bias_deg_h": ("bias", "deg/h"),
+    "scale_factor_ppm": ("scale factor", "ppm"),
+    "axis1_mrad": ("axis, first direction", "mrad"),
+    "axis2_mrad": ("axis, second direction", "mrad"),
 }
 #: A departure is marked from here on: of some dozens, chance makes one this large in one page of a hundred.
 _CLEAR_SIGMA = 3.5
@@ -46,15 +46,15 @@ def write_page(derivation: Derivation, data: Mapping[str, Any], path: Path) -> N
             [
                 {
                     "gyro": gyro["gyro"],
-                    "value": plus_minus(change["value"], change["std"])
+                    "value": plus_minus(change["value"], change["std"], unit)
                     if change["determined"]
                     else "not determined",
-                    "stated": number(change["stated_std"]),
+                    "stated": f"± {number(change['stated_std'], 2)} {unit}",
                     "sigma": f"{change['sigma']:.1f}" if change["determined"] else "",
                     "beyond": change["sigma"] > _CLEAR_SIGMA,
                     "what": words,
                 }
-                for key, words in _CHANGES.items()
+                for key, (words, unit) in _CHANGES.items()
                 for change in (gyro["change_from_present"][key],)
             ]
             for gyro in gyros
@@ -66,7 +66,7 @@ def write_page(derivation: Derivation, data: Mapping[str, Any], path: Path) -> N
         "departures": [
             one
             | {
-                "shown": plus_minus(one["value"], one["std"]),
+                "shown": plus_minus(one["value"], one["std"], one["unit"]),
                 "beyond": abs(one["value"]) > _CLEAR_SIGMA * one["std"],
             }
             for one in data["departures"]
@@ -156,13 +156,10 @@ def _rate_chart(derivation: Derivation, gyro: int) -> Markup:
     return points(panels, ticks, label, height=80.0)
 
 
-def _runs(derivation: Derivation, data: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Residuals by run and gyro: chi-square over its degrees of freedom."""
-    rows = []
-    for run in data["runs"]:
-        row = {"run": run}
-        for one in data["turn_on"]:
-            if one["run"] == run:
-                row[one["gyro"]] = f"{one['chi2'] / max(one['degrees_of_freedom'], 1):.2f}"
-        rows.append(row)
-    return rows
+def _runs(derivation: Derivation, data: Mapping[str, Any]) -> list[list[str]]:
+    """Run, then of each gyro the chi-square of its residuals over its degrees of freedom."""
+    found = {
+        (one["run"], one["gyro"]): f"{one['chi2'] / max(one['degrees_of_freedom'], 1):.2f}"
+        for one in data["turn_on"]
+    }
+    return [[run, *(found.get((run, gyro["gyro"]), "") for gyro in data["gyros"])] for run in data["runs"]]

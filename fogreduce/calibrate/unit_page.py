@@ -109,11 +109,11 @@ def _aged(earlier: Entry, later: Entry, one: Coefficients, other: Coefficients) 
         rows.append(
             {
                 "gyro": f"gyro{change.gyro + 1}",
-                "of": f"{change.name} [{change.unit}]",
-                "change": plus_minus(change.value, change.std),
+                "of": change.name,
+                "change": plus_minus(change.value, change.std, change.unit),
                 "sigma": f"{change.sigma:.1f}",
                 "beyond": beyond,
-                "yearly": number(yearly, 3) if beyond else "",
+                "yearly": f"{number(yearly, 3)} {change.unit}" if beyond else "",
             }
         )
     return {"earlier": earlier.record_id, "later": later.record_id, "years": number(years, 3), "rows": rows}

@@ -109,14 +109,15 @@ def write_pdf(document: rows.Document, path: Path) -> None:
 
 
 def _quantities(paper: _Paper, document: rows.Document) -> None:
-    keys = ("of", "value", "interval", "unit", "verdict")
+    keys = ("of", "value", "interval", "verdict")
     paper.heading("What the runs determine: ± one standard uncertainty, and the 95 % interval")
     paper.table(
-        ("quantity", "of", "value", "95 % interval", "unit", "verdict"),
-        (0.2, 0.15, 0.2, 0.24, 0.13, 0.08),
+        ("quantity", "of", "value", "95 % interval", "verdict"),
+        (0.2, 0.15, 0.33, 0.24, 0.08),
         [
-            [f"{row['title']} [{row['footnote']}]" if row["span"] else "", *(row[key] for key in keys)]
-            for row in rows.determined(document)
+            ["" if k else f"{group['title']} [{group['footnote']}]", *(row[key] for key in keys)]
+            for group in rows.determined(document)
+            for k, row in enumerate(group["rows"])
         ],
     )
     paper.heading("Not determinable from these runs, and the runs that would determine it")

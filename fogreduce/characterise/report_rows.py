@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -24,25 +23,24 @@ def footnotes(document: Document) -> dict[str, int]:
 
 
 def determined(document: Document) -> list[dict[str, Any]]:
-    """Rows of what the runs determine, gyro below gyro; `span`: rows of a quantity, on its first one."""
-    notes = footnotes(document)
-    found = [one for one in document["quantities"] if one["determined"]]
-    counts = Counter(one["quantity"] for one in found)
-    found.sort(key=lambda one: notes[one["quantity"]])
-    return [
-        {
-            "title": DEFINITIONS[one["quantity"]].title,
-            "footnote": str(notes[one["quantity"]]),
-            "span": counts[one["quantity"]] if k == 0 or found[k - 1]["quantity"] != one["quantity"] else 0,
+    """What the runs determine: `title` and `footnote` of each quantity, and its `rows`, gyro below gyro."""
+    groups: dict[str, list[dict[str, str]]] = {}
+    for one in document["quantities"]:
+        if not one["determined"]:
+            continue
+        row = {
             "of": one["of"],
             "value": _value(one),
             "interval": _interval(one["low_95"], one["high_95"], one["std"]),
-            "unit": one["unit"],
             "note": one["note"],
             "verdict": one["verdict"] or "",
             "probability": _per_cent(one["conformance_probability"]),
         }
-        for k, one in enumerate(found)
+        groups.setdefault(one["quantity"], []).append(row)
+    return [
+        {"title": DEFINITIONS[name].title, "footnote": str(note), "rows": groups[name]}
+        for name, note in footnotes(document).items()
+        if name in groups
     ]
 
 
@@ -140,10 +138,10 @@ def _per_cent(probability: float | None) -> str:
 
 
 def _value(one: Document) -> str:
-    """The value and its error; of what is not seen, which is 0, the bound."""
+    """The value and its error with their unit; of what is not seen, which is 0, the bound."""
     if one["value"] == 0 and one["high_95"] > 0:
-        return f"≤ {number(one['high_95'], 2)}"
-    return plus_minus(one["value"], one["std"])
+        return f"≤ {number(one['high_95'], 2)} {one['unit']}".rstrip()
+    return plus_minus(one["value"], one["std"], one["unit"])
 
 
 def _interval(low: float, high: float, std: float) -> str:

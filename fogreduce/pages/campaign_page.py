@@ -72,6 +72,7 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
         "more_pages": [(href, words) for href, words in _MORE_PAGES if (folder / href).is_file()],
         "charts": _charts(runs, found),
         "columns": columns,
+        "heads": ["run", "", *(column["title"] for column in columns)],
         "rows": rows,
         "tables": tables if 1 < len(tables) <= _MOST_CHOICES else [],
         "fewest": FEWEST_RUNS,
@@ -159,12 +160,7 @@ def _columns(runs: Sequence[Entry]) -> list[dict[str, str]]:
         columns.append({"kind": "noise", "of": "", "title": "noise [deg/√h]"})
     if any(overview["temperature"] for overview in seen):
         columns.append({"kind": "temperature", "of": "", "title": "sensors [°C]"})
-    return [{**column, "label": _css_text(column["title"])} for column in columns]
-
-
-def _css_text(text: str) -> str:
-    """A column's title for a string of a style sheet: only what can end neither the string nor the sheet."""
-    return "".join(c for c in text if c.isalnum() or c in " []/°√.,")
+    return columns
 
 
 def _row(place: int, entry: Entry, said: Verdict | None, columns: Sequence[dict[str, str]]) -> dict[str, Any]:

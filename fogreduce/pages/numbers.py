@@ -13,20 +13,25 @@ _ROUNDINGS = 64
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def plus_minus(value: float | None, error: float | None) -> str:
-    """A value and its standard error, both to the error's second digit; empty without a value."""
+def plus_minus(value: float | None, error: float | None, unit: str = "") -> str:
+    """A value and its standard error to the error's second digit, with their unit; empty without a value."""
     if value is None or not math.isfinite(value):
         return ""
     if error is None or not math.isfinite(error) or error <= 0:
-        return number(value)
+        return f"{number(value)} {unit}".rstrip()
     largest = max(abs(value), error)
     power = 0
     if largest < _SMALLEST or largest >= _LARGEST:
         power = math.floor(math.log10(largest))
     scale = 10.0**power
     digits = min(12, max(0, 1 - math.floor(math.log10(error / scale))))
+    if power == 0 and error >= 100.0:  # digits beyond the error's second are noughts
+        coarse = 1 - math.floor(math.log10(error))
+        value, error = round(value, coarse), round(error, coarse)
     text = f"{_minus(f'{value / scale:.{digits}f}')} ± {error / scale:.{digits}f}"
-    return f"({text}) · 10{str(power).translate(_SUPERSCRIPTS)}" if power else text
+    if power:
+        text = f"({text}) · 10{str(power).translate(_SUPERSCRIPTS)}"
+    return f"{text} {unit}".rstrip()
 
 
 def rounding(value: float | None, of: float) -> float | None:

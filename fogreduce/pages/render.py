@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from fogreduce.pages import numbers
-from fogreduce.pages.style import TEMPLATES, UPLOT, policy, style
+from fogreduce.pages.style import TEMPLATES, UPLOT, cards, policy, style
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ def _environment() -> Environment:
         "size": numbers.size,
         "duration": numbers.duration,
         "anchor": anchor,
+        "cards": cards,
     }
     return environment
 

@@ -61,7 +61,7 @@ def test_show_and_diff(lab, capsys) -> None:
     said = capsys.readouterr().out.splitlines()
     assert "365 days later" in said[0]
     (scale,) = [line for line in said if line.startswith("gyro2  scale factor")]
-    assert "10000 ± 141" in scale  # 0.0909 / 0.09; two defaults of 100 ppm
+    assert "10000 ± 140" in scale  # 0.0909 / 0.09; two defaults of 100 ppm
     assert scale.endswith("70.7 *")
 
 

@@ -33,3 +33,18 @@ def test_a_value_and_its_error_end_at_the_same_digit():
     assert plus_minus(-0.0161, 0.0281) == "\u22120.016 \u00b1 0.028"
     assert plus_minus(0.0, 0.5) == "0.00 \u00b1 0.50"
     assert plus_minus(-6e-6, 1.1e-5) == "(\u22120.6 \u00b1 1.1) \u00b7 10\u207b\u2075"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (-0.26581, 0.01595, "\u22120.266 \u00b1 0.016"),
+        (-152168.0, 5319.0, "\u2212152200 \u00b1 5300"),
+        (40.12, 1.04, "40.1 \u00b1 1.0"),
+        (5, 0.0, "5"),
+        (3.25, None, "3.25"),
+    ],
+)
+def test_numbers_to_what_their_errors_allow(value, error, text):
+    assert plus_minus(value, error) == text
+    assert plus_minus(value, error, "ppm") == f"{text} ppm"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from fogreduce.pages.style import policy, style
+from fogreduce.pages.style import cards, policy, style
 
 
 def document(title: str, parts: Sequence[str]) -> str:
@@ -22,8 +22,12 @@ def document(title: str, parts: Sequence[str]) -> str:
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table; head is text, cells are HTML."""
     cells = "".join(f'<th scope="col">{escape(h)}</th>' for h in head)
-    lines = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
-    return f'<div class="scroll" tabindex="0"><table><tr>{cells}</tr>{lines}</table></div>'
+    lines = "".join(
+        f'<tr><th scope="row">{first}</th>' + "".join(f"<td>{c}</td>" for c in rest) + "</tr>"
+        for first, *rest in rows
+    )
+    body = f"<thead><tr>{cells}</tr></thead><tbody>{lines}</tbody>"
+    return f'<div class="scroll" tabindex="0"><table{cards(head)}>{body}</table></div>'
 
 
 def both(name: str, broad: Mapping[str, str], slim: Mapping[str, str]) -> str:

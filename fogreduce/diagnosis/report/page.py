@@ -18,7 +18,6 @@ from fogreduce.diagnosis.report.words import (
     closed,
     headline,
     is_group,
-    measured,
     mistakes_in_words,
     percent,
     place,
@@ -26,6 +25,7 @@ from fogreduce.diagnosis.report.words import (
     titled,
 )
 from fogreduce.effects.table import EFFECTS
+from fogreduce.pages.numbers import number, plus_minus
 
 _TENSIONS = 8  # the greatest tensions with the record that the page shows
 
@@ -138,8 +138,8 @@ def _paragraph(line: str) -> str:
 def _named(d: Mapping[str, Any]) -> list[str]:
     """Every cause; of a kind that several gyros have, one paragraph that opens into them."""
     kinds: dict[object, list[Mapping[str, Any]]] = {}
-    for number, cause in enumerate(d["causes"]):
-        kinds.setdefault(number if is_group(cause) else cause["effect"], []).append(cause)
+    for place_in_list, cause in enumerate(d["causes"]):
+        kinds.setdefault(place_in_list if is_group(cause) else cause["effect"], []).append(cause)
     parts = []
     for members in kinds.values():
         if len(members) == 1:
@@ -281,8 +281,8 @@ def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str,
 def _part(share: Mapping[str, Any]) -> list[str]:
     """A share of the closure: alone, lost without it, running total."""
     return [
-        f"{100 * share['alone']:.1f} &plusmn; {100 * share['alone_std']:.1f} %",
-        f"{100 * share['removed']:.1f} &plusmn; {100 * share['removed_std']:.1f} %",
+        plus_minus(100 * share["alone"], 100 * share["alone_std"], "%"),
+        plus_minus(100 * share["removed"], 100 * share["removed_std"], "%"),
         f"{100 * share['cumulative']:.1f} %",
     ]
 
@@ -292,8 +292,8 @@ def _tension(d: Mapping[str, Any]) -> str:
     rows = [
         [
             escape(titled({**t, "parameters": {}})),
-            f"{t['prior_std']:.3g} {escape(t['unit'])}",
-            f"{measured(t['value'], t['std'])} {escape(t['unit'])}",
+            f"\N{PLUS-MINUS SIGN} {number(t['prior_std'], 2)} {escape(t['unit'])}",
+            plus_minus(t["value"], t["std"], escape(t["unit"])),
             f"{t['sigma']:+.1f}".replace("-", "\N{MINUS SIGN}"),
         ]
         for t in d["tension"][:_TENSIONS]
@@ -342,7 +342,7 @@ def _kin(resembles: Sequence[Mapping[str, Any]]) -> str:
         return ""
     near = [
         f"{escape(titled({'parameters': {}, 'runs': ['*'], **one}))}, which would close "
-        f"{measured(100 * one['closes'], 100 * one['std'])} % of it"
+        f"{plus_minus(100 * one['closes'], 100 * one['std'], '%')} of it"
         for one in resembles
     ]
     text = f"<p>In its shape it comes nearest to {near[0]}"
@@ -371,7 +371,7 @@ def _assumed(d: Mapping[str, Any]) -> str:
 
 
 def _value(value: Any) -> str:
-    return ", ".join(f"{one:.4g}" for one in value) if isinstance(value, list) else f"{value:.4g}"
+    return ", ".join(map(number, value)) if isinstance(value, list) else number(value)
 
 
 def _left_out(diagnosis: Diagnosis) -> str:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import atan2, degrees, floor, hypot, log10
+from math import atan2, degrees, hypot
 from typing import Any
 
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.effects.model import Parameter
 from fogreduce.effects.table import EFFECTS
-from fogreduce.pages.numbers import number, plus_minus
+from fogreduce.pages.numbers import plus_minus
 
 #: Times what units of this class show: worth a word.
 _FAR = 10.0
@@ -70,14 +70,6 @@ def place(item: Mapping[str, Any]) -> str:
     return f"{', '.join(item['channels'])}: {item['feature'].replace('_', ' ')}{runs}"
 
 
-def measured(value: float, std: float | None) -> str:
-    """A value with its error, both to two digits of the error."""
-    if not isinstance(std, int | float) or std <= 0.0:
-        return f"{value:.4g}".replace("-", "\N{MINUS SIGN}") if abs(value) < 1e7 else number(value)
-    digits = 1 - floor(log10(std))
-    return plus_minus(round(value, min(digits, 12)), round(std, digits))
-
-
 def sizes(cause: Mapping[str, Any], raw_unit: str, part: Mapping[str, Any] | None = None) -> list[str]:
     """Sizes of a cause with units, one a parameter; what is far beyond what such units show is said to be.
 
@@ -102,11 +94,11 @@ def sizes(cause: Mapping[str, Any], raw_unit: str, part: Mapping[str, Any] | Non
 
 def _value(p: Parameter, found: Mapping[str, Any]) -> str:
     if "size" in found:
-        return measured(found["size"], found["size_std"])
+        return plus_minus(found["size"], found["size_std"])
     value = found["value"]
     if p.frame and isinstance(value, Sequence):
         return direction(value, p.frame)
-    return measured(value, found["std"]) if isinstance(value, int | float) else str(value)
+    return plus_minus(value, found["std"]) if isinstance(value, int | float) else str(value)
 
 
 def _towards(p: Parameter, found: Mapping[str, Any]) -> str:

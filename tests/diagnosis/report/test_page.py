@@ -9,22 +9,8 @@ import pytest
 
 from fogreduce.diagnosis.report.figures import waterfall
 from fogreduce.diagnosis.report.page import _links, _runs
-from fogreduce.diagnosis.report.words import announced, headline, measured, percent, sizes
+from fogreduce.diagnosis.report.words import announced, headline, percent, sizes
 from fogreduce.pages import svg
-
-
-@pytest.mark.parametrize(
-    ("value", "std", "text"),
-    [
-        (-0.26581, 0.01595, "\N{MINUS SIGN}0.266 \N{PLUS-MINUS SIGN} 0.016"),
-        (-152168.0, 5319.0, "\N{MINUS SIGN}152200 \N{PLUS-MINUS SIGN} 5300"),
-        (40.12, 1.04, "40.1 \N{PLUS-MINUS SIGN} 1.0"),
-        (5, 0.0, "5"),
-        (3.25, None, "3.25"),
-    ],
-)
-def test_numbers_to_what_their_errors_allow(value, std, text) -> None:
-    assert measured(value, std) == text
 
 
 def test_units_stand_with_sizes_and_what_is_far_off_is_said() -> None:
