@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-_SILENT_S = 2.0
-_TICK_S = 0.5
+#: Seconds before a bar appears, and between two drawings of the bar of steps.
+SILENT_S, TICK_S = 2.0, 0.5
 
 
 @contextmanager
@@ -22,10 +22,10 @@ def progress(total: int, unit: str, began: float | None = None) -> Iterator[Call
     began = time.monotonic() if began is None else began
     bar: Any = None
 
-    def told(done: int) -> None:
+    def advance(done: int) -> None:
         nonlocal bar
         if bar is None:
-            if not sys.stderr.isatty() or time.monotonic() - began < _SILENT_S:
+            if not sys.stderr.isatty() or time.monotonic() - began < SILENT_S:
                 return
             from tqdm import tqdm
 
@@ -34,7 +34,7 @@ def progress(total: int, unit: str, began: float | None = None) -> Iterator[Call
         bar.update(done - bar.n)
 
     try:
-        yield told
+        yield advance
     finally:
         if bar is not None:
             bar.close()
@@ -52,7 +52,7 @@ def steps(names: Sequence[str]) -> Iterator[Callable[[str], None]]:
     done, current = threading.Event(), [0]
 
     def show() -> None:
-        if done.wait(_SILENT_S):
+        if done.wait(SILENT_S):
             return
         from tqdm import tqdm
 
@@ -61,16 +61,16 @@ def steps(names: Sequence[str]) -> Iterator[Callable[[str], None]]:
                 bar.set_description_str(names[current[0]], refresh=False)
                 bar.update(current[0] - bar.n)
                 bar.refresh()
-                if done.wait(_TICK_S):
+                if done.wait(TICK_S):
                     return
 
-    def told(name: str) -> None:
+    def begin(name: str) -> None:
         current[0] = names.index(name)
 
     shown = threading.Thread(target=show, daemon=True)
     shown.start()
     try:
-        yield told
+        yield begin
     finally:
         done.set()
         shown.join()

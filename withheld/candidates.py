@@ -18,7 +18,8 @@ from withheld.streams import stream
 Candidate = Callable[[Campaign, tuple[str, ...]], dict[str, Any]]
 
 
-def _document(campaign: Campaign, names: tuple[str, ...], verdict: str, gap: float) -> dict[str, Any]:
+def document_of(campaign: Campaign, names: tuple[str, ...], verdict: str, gap: float) -> dict[str, Any]:
+    """A diagnosis.json of a verdict and its probability of a gap, without places and causes."""
     closure = {
         "measure": "none: nothing was measured", "held_out": "nothing was fitted",
         "before": 2.0, "after": 2.0,
@@ -34,20 +35,21 @@ def _document(campaign: Campaign, names: tuple[str, ...], verdict: str, gap: flo
     }  # fmt: skip
 
 
-def _place(stage: str, channels: list[str], runs: list[str]) -> dict[str, Any]:
+def place_of(stage: str, channels: list[str], runs: list[str]) -> dict[str, Any]:
+    """One entry of `where` in a diagnosis.json."""
     return {"stage": stage, "channels": channels, "runs": runs, "feature": "mean", "sigma": 5.0, "share": 1.0}
 
 
 def no_gap(campaign: Campaign, names: tuple[str, ...]) -> dict[str, Any]:
     """Always content."""
-    return _document(campaign, names, "no_gap", 0.01)
+    return document_of(campaign, names, "no_gap", 0.01)
 
 
 def unexplained(campaign: Campaign, names: tuple[str, ...]) -> dict[str, Any]:
     """Always alarmed, at every gyro, and never with a cause."""
     gyros = [f"gyro{i + 1}" for i in range(campaign.unit.n)]
-    places = [_place("gyro", gyros, [run.run_id for run in campaign.runs])]
-    return _document(campaign, names, "unexplained", 0.99) | {"where": places, "unknown_probability": 0.99}
+    places = [place_of("gyro", gyros, [run.run_id for run in campaign.runs])]
+    return document_of(campaign, names, "unexplained", 0.99) | {"where": places, "unknown_probability": 0.99}
 
 
 def _members(campaign: Campaign, names: tuple[str, ...]) -> list[dict[str, Any]]:
@@ -70,21 +72,21 @@ def one_group(campaign: Campaign, names: tuple[str, ...]) -> dict[str, Any]:
     members = _members(campaign, names)
     group = [{**member, "probability": 1.0 / len(members)} for member in members]
     cause = {**group[0], "group_probability": 0.99, "group": group, "parameters": {}}
-    places = [_place("gyro", ["gyro1"], [run.run_id for run in campaign.runs])]
-    return _document(campaign, names, "explained", 0.99) | {"where": places, "causes": [cause]}
+    places = [place_of("gyro", ["gyro1"], [run.run_id for run in campaign.runs])]
+    return document_of(campaign, names, "explained", 0.99) | {"where": places, "causes": [cause]}
 
 
 def guess(campaign: Campaign, names: tuple[str, ...]) -> dict[str, Any]:
     """A coin for the gap, a die for the cause; the same campaign gets the same guess."""
     rng: np.random.Generator = stream(0, "guess", campaign.name)
     if rng.random() < 0.5:
-        return _document(campaign, names, "no_gap", 0.3)
+        return document_of(campaign, names, "no_gap", 0.3)
     members = _members(campaign, names)
     member = members[rng.integers(len(members))]
     alone = [{**member, "probability": 0.5}]
     cause = {**alone[0], "group_probability": 0.5, "group": alone, "parameters": {}}
-    places = [_place(block(member["effect"]), member["channels"], member["runs"])]
-    return _document(campaign, names, "explained", 0.7) | {"where": places, "causes": [cause]}
+    places = [place_of(block(member["effect"]), member["channels"], member["runs"])]
+    return document_of(campaign, names, "explained", 0.7) | {"where": places, "causes": [cause]}
 
 
 CANDIDATES: dict[str, Candidate] = {

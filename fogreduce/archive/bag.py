@@ -96,7 +96,7 @@ class BagWriter:
     def add_text(self, path: str, text: str) -> None:
         """Write a payload file that is made here."""
         raw = text.encode()
-        self._write(self._place(path), raw)
+        write_synced(self._place(path), raw)
         self.hashes[path], self.sizes[path] = sha256(raw).hexdigest(), len(raw)
 
     def finish(self, info: Mapping[str, str]) -> str:
@@ -111,11 +111,11 @@ class BagWriter:
             ),
         }
         for name, text in tags.items():
-            self._write(self._at / name, text.encode())
+            write_synced(self._at / name, text.encode())
         for folder, _, _ in os.walk(self._at):
             sync(Path(folder))
         last = "".join(f"{sha256(tags[name].encode()).hexdigest()}  {name}\n" for name in sorted(tags))
-        self._write(self._at / TAG_MANIFEST, last.encode())
+        write_synced(self._at / TAG_MANIFEST, last.encode())
         sync(self._at)
         digest = sha256(last.encode()).hexdigest()
         if self._by_digest:
@@ -137,12 +137,13 @@ class BagWriter:
         target.parent.mkdir(parents=True, exist_ok=True)
         return target
 
-    @staticmethod
-    def _write(path: Path, raw: bytes) -> None:
-        with path.open("xb") as file:
-            file.write(raw)
-            file.flush()
-            os.fsync(file.fileno())
+
+def write_synced(path: Path, content: bytes) -> None:
+    """Write a new file, and have it on the disk."""
+    with path.open("xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def encoded(path: str) -> str:

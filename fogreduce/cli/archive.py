@@ -57,8 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
                 arguments.results, name, arguments.campaigns, arguments.calibrations, source, left_out
             )
             total = sum(item.source.stat().st_size for item in planned.items)
-            with progress(total, "B") as told:
-                digest, bag = write_bag(planned, arguments.out / name, told, by_digest=arguments.by_digest)
+            with progress(total, "B") as advance:
+                digest, bag = write_bag(planned, arguments.out / name, advance, by_digest=arguments.by_digest)
             print(f"{digest}  {bag}")
     return 0
 

@@ -20,8 +20,8 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.provenance.versions import keep
 
     with sole_writer(arguments.results):
-        with progress(results_bytes(arguments.results), "bytes") as told:
-            data = write_checksums(arguments.results, told)
+        with progress(results_bytes(arguments.results), "bytes") as advance:
+            data = write_checksums(arguments.results, advance)
         print(f"{len(data['files'])} files, version {data['version_id']}")
         if not arguments.no_keep:
             print(f"kept as {keep(arguments.results, data).folder}")

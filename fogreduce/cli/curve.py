@@ -45,9 +45,9 @@ def run(arguments: argparse.Namespace) -> int:
     fits = read_report(setup, "fit")
     lines = [f"{setup.manifest['campaign']} / {setup.facts.run_id}, version {setup.version_id}"]
     undetermined = 0
-    with progress(len(channels), "channels") as told:
+    with progress(len(channels), "channels") as advance:
         for done, channel in enumerate(channels):
-            told(done)
+            advance(done)
             for segment, linear, time_s, values in _segments(setup, fits, channel):
                 lines.append(_heading(channel, segment, time_s.size, arguments.free_rate))
                 try:

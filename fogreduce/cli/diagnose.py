@@ -80,7 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--snr",
         metavar="S",
         type=float,
-        help=f"--detectable: signal-to-noise ratio of what is to be told apart (default: {_SNR:g})",
+        help=f"--detectable: signal-to-noise ratio of what is to be begin apart (default: {_SNR:g})",
     )
 
 
@@ -155,12 +155,12 @@ def _diagnose(
     bench = Bench() if args.bench is None else Bench.from_yaml(args.bench)
     part = read_part(args.part)
     names = (*STEPS, *(["verification"] if args.verify_next else []), "page")
-    with _steps(names, args) as told:
-        diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, told, bench, part)
+    with _steps(names, args) as begin:
+        diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, begin, bench, part)
         if args.verify_next:
-            told("verification")
+            begin("verification")
             _verify_next(diagnosis, campaign, without, only, args.calibrations, bench, part)
-        told("page")
+        begin("page")
         write(diagnosis, out, load_campaign(campaign).label)
     for line in captures_in_words(diagnosis.document):
         print(f"{campaign}: {line}", file=sys.stderr, flush=True)

@@ -47,8 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     results = Results.read(arguments.out)
     planned = plan(results, arguments.run)
-    with sole_writer(arguments.out), progress(len(planned.drawn), "figures", began) as told:
-        save_all(planned, results.identity, arguments.out / "figures", formats, told)
+    with sole_writer(arguments.out), progress(len(planned.drawn), "figures", began) as advance:
+        save_all(planned, results.identity, arguments.out / "figures", formats, advance)
     for stem, reason in planned.left_out.items():
         print(f"{stem}: left out, {reason}")
     return 0

@@ -94,7 +94,7 @@ def diagnose_each(campaigns: Sequence[Path], one: Callable[[Path], None]) -> int
     What is wrong with a campaign is said on standard error, its folder first; the others go on.
     """
     status = 0
-    with progress(len(campaigns), "campaigns") as told:
+    with progress(len(campaigns), "campaigns") as advance:
         for done, campaign in enumerate(campaigns, start=1):
             try:
                 one(campaign)
@@ -109,5 +109,5 @@ def diagnose_each(campaigns: Sequence[Path], one: Callable[[Path], None]) -> int
                 print(f"{campaign}: not diagnosed", file=sys.stderr)
                 traceback.print_exc()
                 status = 1
-            told(done)
+            advance(done)
     return status

@@ -32,8 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.progress import progress
 
     out = arguments.out
-    with sole_writer(out), progress(2 * sum(listed(arguments.bag).sizes.values()), "B") as told:
-        found, note = restore(arguments.bag, out, arguments.expect, told)
+    with sole_writer(out), progress(2 * sum(listed(arguments.bag).sizes.values()), "B") as advance:
+        found, note = restore(arguments.bag, out, arguments.expect, advance)
     print(f"{out}: {found.campaign}, verified; archived results in {out / ARCHIVED}")
     if note is not None:
         print(note)

@@ -111,6 +111,6 @@ def _simulate(plan: Plan, out: Path, overwrite: bool) -> None:
     from fogreduce.progress import progress
     from fogreduce.simulate.campaign import write_campaign
 
-    with sole_writer(out), progress(plan.n_records, "records") as told:
-        write_campaign(plan, out, told, overwrite)
+    with sole_writer(out), progress(plan.n_records, "records") as advance:
+        write_campaign(plan, out, advance, overwrite)
     print(f"{out}: {len(plan.chosen)} captures simulated")

@@ -37,8 +37,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.stage == "ingest" and arguments.run is None:
         raise BadInput.at("--run", "", found="nothing", expected="the run's folder")
     given = (arguments.run,) if arguments.stage in _READ_RUN else ()
-    with sole_writer(arguments.out), progress(setup.facts.n_expected, "records") as told:
-        stages.STAGES[arguments.stage](setup, *given, progress=told)
+    with sole_writer(arguments.out), progress(setup.facts.n_expected, "records") as advance:
+        stages.STAGES[arguments.stage](setup, *given, progress=advance)
     if arguments.stage == "drift":
         from fogreduce.cli.flags import say_red_flags
 

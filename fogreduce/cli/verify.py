@@ -29,8 +29,8 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.archive.write import RECORD
     from fogreduce.progress import progress
 
-    with progress(sum(listed(arguments.bag).sizes.values()), "B") as told:
-        found = verify(arguments.bag, expect, told)
+    with progress(sum(listed(arguments.bag).sizes.values()), "B") as advance:
+        found = verify(arguments.bag, expect, advance)
     if found.faults:
         raise BadInput(*found.faults)
     if found.unusual:

@@ -68,7 +68,7 @@ def diagnose(
     without: Sequence[str] = (),
     only: Sequence[str] = (),
     simulated: Path | None = None,
-    told: Callable[[str], None] = lambda step: None,
+    progress: Callable[[str], None] = lambda step: None,
     bench: Bench = ANY_BENCH,
     part: Part | None = None,
 ) -> Diagnosis:
@@ -83,7 +83,7 @@ def diagnose(
         Empty: all.
     simulated : Path or None
         A campaign folder whose captures are the prediction, in place of our own simulator's.
-    told : callable
+    progress : callable
         Hears which of `STEPS` begins.
     bench : Bench
         What table and chamber can do: the next run stays within it.
@@ -94,11 +94,11 @@ def diagnose(
         if name not in EFFECTS:
             raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
     allowed = frozenset(EFFECTS) - frozenset(without)
-    told("reading")
+    progress("reading")
     data = read_data(campaign, calibrations, only, simulated, part)
-    told("spectra")
+    progress("spectra")
     search = Search(data, allowed)
-    told("search")
+    progress("search")
     # where it lies needs no cause, and comes before them
     found = _places(search)
     verdict = without_imitations(search, verdict_of_sets(search))
@@ -109,11 +109,11 @@ def diagnose(
         search, verdict.state, None if simulated else Source(campaign, calibrations, tuple(only), part)
     )
     if verdict.word != "no_gap":
-        told("closure")
+        progress("closure")
         closure = measured(search, verdict.state.causes, found)
         verdict = borne_out(verdict, closure, left)
     parts, kinds = ({}, {}) if closure is None else shares(data.inputs, verdict.state.causes, closure)
-    told("next run")
+    progress("next run")
     proposal = proposed(search, verdict, bench) if verdict.named else None
     document = {
         "schema": SCHEMA,

@@ -43,7 +43,7 @@ def save_all(
     identity: Identity,
     folder: Path,
     formats: Sequence[str],
-    told: Callable[[int], None] = lambda done: None,
+    progress: Callable[[int], None] = lambda done: None,
 ) -> list[Path]:
     """Draw and write every figure of a plan, and `index.json`, which says what there is and what is not.
 
@@ -57,7 +57,7 @@ def save_all(
             for file_format in formats:
                 written.append(folder / f"{stem}.{file_format}")
                 save(figure, written[-1], file_format)
-            told(done)
+            progress(done)
     names = [path.name for path in written]
     for name in before - set(names):
         (folder / name).unlink(missing_ok=True)

@@ -23,7 +23,7 @@ from fogreduce.provenance.records import Manifest, read_manifest
 from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.
-_MOST_PICTURES = 750_000
+MOST_PICTURES = 750_000
 _TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 
 #: Figure -> what it shows, for who cannot see it too; in the order in which a page has them.
@@ -333,7 +333,7 @@ def _figures(
         smallest = min(files, key=lambda file: (file.stat().st_size, file.name))
         title = FIGURES.get(stem, stem.replace("_", " "))
         cost = 4 * smallest.stat().st_size // 3
-        if stem in _LINKED or spent + cost > _MOST_PICTURES:
+        if stem in _LINKED or spent + cost > MOST_PICTURES:
             linked.append((f"figures/{smallest.name}", title))
             continue
         spent += cost

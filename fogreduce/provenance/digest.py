@@ -13,13 +13,13 @@ _CHUNK = 1 << 20
 VERSION_ID_DIGITS = 16
 
 
-def file_digest(path: Path, told: Callable[[int], None] = lambda read: None) -> str:
-    """SHA-256 of a file's bytes, in hexadecimal; `told` hears how many bytes each reading brought."""
+def file_digest(path: Path, progress: Callable[[int], None] = lambda read: None) -> str:
+    """SHA-256 of a file's bytes, in hexadecimal; `progress` hears how many bytes each reading brought."""
     digest = hashlib.sha256()
     with path.open("rb", buffering=0) as file:
         while chunk := file.read(_CHUNK):
             digest.update(chunk)
-            told(len(chunk))
+            progress(len(chunk))
     return digest.hexdigest()
 
 

@@ -21,7 +21,7 @@ VERSIONS = "versions"
 _ASIDE = ("logs", "benchmarks", VERSIONS)
 
 
-Told = Callable[[int], None]
+Progress = Callable[[int], None]
 
 
 def result_files(folder: Path) -> Iterator[str]:
@@ -45,8 +45,11 @@ def _files(path: Path, folder: Path) -> Iterator[str]:
         raise BadInput.at(path, "", found="neither a file nor a folder", expected="a file of the results")
 
 
-def checksums(folder: Path, told: Told = lambda done: None) -> dict[str, Any]:
-    """The content of outputs.json for a run's results folder, as its files are now; `told` hears of bytes."""
+def checksums(folder: Path, progress: Progress = lambda done: None) -> dict[str, Any]:
+    """The content of outputs.json for a run's results folder, as its files are now.
+
+    `progress` hears how many bytes are read.
+    """
     manifest = read_manifest(folder)
     _complete(folder, manifest)
     files, done = [], 0
@@ -54,7 +57,7 @@ def checksums(folder: Path, told: Told = lambda done: None) -> dict[str, Any]:
     def read(count: int) -> None:
         nonlocal done
         done += count
-        told(done)
+        progress(done)
 
     for name in result_files(folder):
         path = folder / name
@@ -83,11 +86,11 @@ def results_bytes(folder: Path) -> int:
     return sum((folder / name).stat().st_size for name in result_files(folder)) if folder.is_dir() else 0
 
 
-def write_checksums(folder: Path, told: Told = lambda done: None) -> dict[str, Any]:
-    """Write outputs.json; its content. `told` hears how many of the `results_bytes` are read."""
+def write_checksums(folder: Path, progress: Progress = lambda done: None) -> dict[str, Any]:
+    """Write outputs.json; its content. `progress` hears how many of the `results_bytes` are read."""
     if not folder.is_dir():
         raise BadInput.at(folder, "", found="no such folder", expected="a run's results")
-    data = checksums(folder, told)
+    data = checksums(folder, progress)
     write_text(folder / OUTPUTS, json.dumps(data, indent=1, allow_nan=False) + "\n")
     return data
 

@@ -32,10 +32,12 @@ from fogreduce.simulate.from_curves import blocks_from_curves
 from fogreduce.simulate.plan import Plan
 from fogreduce.simulate.publish import published
 
-Told = Callable[[int], None]
+Progress = Callable[[int], None]
 
 
-def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, overwrite: bool = False) -> None:
+def write_campaign(
+    plan: Plan, out: Path, progress: Progress = lambda records: None, overwrite: bool = False
+) -> None:
     """Write the simulated campaign to the folder `out`.
 
     Beside it, ``<out>.injected.yaml`` says what was put in: seed, effects, what was drawn, and
@@ -47,8 +49,8 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, ove
         From `prepare`.
     out : Path
         A folder, which need not exist; run.yaml and logs are copied, captures added.
-    told : callable
-        Is told how many records are done.
+    progress : callable
+        Hears how many records are done.
     overwrite : bool
         Whether captures of an earlier simulation may be written over.
 
@@ -69,7 +71,7 @@ def write_campaign(plan: Plan, out: Path, told: Told = lambda records: None, ove
         for run_id, run in runs.items():
             _copy_metadata(plan, run, folder / "runs" / run_id)
             facts = plan.facts(run_id)
-            blocks = _counted(_blocks(plan, run_id), done, told)
+            blocks = _counted(_blocks(plan, run_id), done, progress)
             write_capture(folder / places[run_id], run.capture.format, facts, blocks)
             done += facts.n_expected
         made = [mark_of(run_id, folder / place) for run_id, place in places.items()]
@@ -93,11 +95,11 @@ def _blocks(plan: Plan, run_id: str) -> Iterator[SimulatedBlock]:
     return plan.forward(run_id).blocks()
 
 
-def _counted(blocks: Blocks, done: int, told: Told) -> Iterator[SimulatedBlock]:
+def _counted(blocks: Blocks, done: int, progress: Progress) -> Iterator[SimulatedBlock]:
     for block in blocks:
         yield block
         done += len(block.pulse)
-        told(done)
+        progress(done)
 
 
 def _refuse(plan: Plan, out: Path) -> None:

@@ -24,8 +24,8 @@ def reduce_into(setup: Setup, run_dir: Path, calibrations: Path) -> None:
         out = setup.out.resolve()
         in_results = out.parts[-2:] == (setup.manifest["campaign"], setup.manifest["run_id"])
         refuse_rewritten(used["id"], used["sha256"], calibrations, out, neighbours=in_results)
-        with _nothing_left(setup.out), progress(setup.facts.n_expected, "records") as told:
-            reduce_run(setup, run_dir, told)
+        with _nothing_left(setup.out), progress(setup.facts.n_expected, "records") as advance:
+            reduce_run(setup, run_dir, advance)
         remove_outdated(setup.out, setup.version_id)
         write_json(setup.out / MANIFEST, setup.manifest)
 

@@ -66,13 +66,13 @@ def test_killed_right_before_a_file_that_counts(archived, tmp_path, last):
     """The instants that chance would seldom meet: before the last payload file, before the last file."""
     code = f"""
 import os, pathlib, signal, sys
-from fogreduce.archive.bag import BagWriter
-write = BagWriter._write
-def writing(path, raw):
+from fogreduce.archive import bag
+write = bag.write_synced
+def writing(path, content):
     if path.as_posix().endswith({last!r}):
         os.kill(os.getpid(), signal.SIGKILL)
-    write(path, raw)
-BagWriter._write = staticmethod(writing)
+    write(path, content)
+bag.write_synced = writing
 from fogreduce.cli.main import main
 main(sys.argv[1:])
 """

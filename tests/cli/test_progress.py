@@ -26,7 +26,7 @@ class Terminal(io.StringIO):
 @pytest.fixture(params=[True, False], ids=["terminal", "piped"])
 def said(request, monkeypatch):
     """Calls a command that takes no time as if it took two seconds; what it said on standard error."""
-    monkeypatch.setattr("fogreduce.progress._SILENT_S", 0.0)
+    monkeypatch.setattr("fogreduce.progress.SILENT_S", 0.0)
     monkeypatch.setenv("TQDM_MININTERVAL", "0")
 
     def call(arguments):
@@ -37,8 +37,8 @@ def said(request, monkeypatch):
             assert TIME_LEFT.search(screen.getvalue()), screen.getvalue()
         else:
             # What goes with a good end: the capture is made up, and no turn is in it.
-            beside = ("red flag: ", "warning: ")
-            assert all(line.startswith(beside) for line in screen.getvalue().splitlines())
+            allowed = ("red flag: ", "warning: ")
+            assert all(line.startswith(allowed) for line in screen.getvalue().splitlines())
 
     return call
 
@@ -65,13 +65,13 @@ def test_each_stage(small_lab, said, capsys):
 
 def test_steps_are_named_while_they_last(monkeypatch):
     """A step of a diagnosis tells nothing of itself until it ends: the bar names it all the same."""
-    monkeypatch.setattr("fogreduce.progress._SILENT_S", 0.0)
-    monkeypatch.setattr("fogreduce.progress._TICK_S", 0.001)
+    monkeypatch.setattr("fogreduce.progress.SILENT_S", 0.0)
+    monkeypatch.setattr("fogreduce.progress.TICK_S", 0.001)
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
-    with steps(("reading", "search")) as told:
+    with steps(("reading", "search")) as begin:
         for name in ("reading", "search"):
-            told(name)
+            begin(name)
             while name not in screen.getvalue():
                 time.sleep(0.001)
     assert "/2 [" in screen.getvalue()
@@ -80,8 +80,8 @@ def test_steps_are_named_while_they_last(monkeypatch):
 def test_steps_of_a_quick_or_piped_command_are_silent(monkeypatch):
     for screen in (Terminal(), io.StringIO()):
         monkeypatch.setattr(sys, "stderr", screen)
-        with steps(("reading", "search")) as told:
-            told("search")
+        with steps(("reading", "search")) as begin:
+            begin("search")
         assert screen.getvalue() == ""
 
 
@@ -95,5 +95,5 @@ def test_diagnose_names_its_steps(small_lab, monkeypatch, capsys):
     said = []
     monkeypatch.setattr(diagnose, "Search", enough)
     with pytest.raises(InterruptedError):
-        diagnose.diagnose(small_lab.campaign, small_lab.calibrations, told=said.append)
+        diagnose.diagnose(small_lab.campaign, small_lab.calibrations, progress=said.append)
     assert said == list(diagnose.STEPS[:2])

@@ -125,7 +125,7 @@ def test_the_same_results_give_the_same_bytes(lab) -> None:
 
 
 def test_pictures_beyond_what_a_page_may_hold_are_linked(lab, monkeypatch) -> None:
-    monkeypatch.setattr(module, "_MOST_PICTURES", 60_000)
+    monkeypatch.setattr(module, "MOST_PICTURES", 60_000)
     page = html_checks.check(module.run_page(lab.run("r1")), scripts=1)
     assert len(page.all("img")) < 5
     links = [attrs["href"] for attrs in page.all("a") if attrs["href"].startswith("figures/")]

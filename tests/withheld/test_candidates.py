@@ -6,7 +6,7 @@ import pytest
 from labels import effect, label
 
 from withheld.atomic import write_json
-from withheld.candidates import CANDIDATES, _document, _place
+from withheld.candidates import CANDIDATES, document_of, place_of
 from withheld.effects.catalogue import NAMES
 from withheld.score.diagnosis_file import read_diagnosis
 from withheld.score.judge import judge
@@ -25,9 +25,9 @@ def peeking(campaign, names, truth: dict[str, Any]) -> dict[str, Any]:
     effects = truth["effects"]
     if not effects:
         return CANDIDATES["no_gap"](campaign, names)
-    places = [_place("gyro", e["channels"], e["runs"]) for e in effects]
+    places = [place_of("gyro", e["channels"], e["runs"]) for e in effects]
     if truth["kind"] in ("stranger", "without"):
-        return _document(campaign, names, "unexplained", 0.99) | {
+        return document_of(campaign, names, "unexplained", 0.99) | {
             "where": places,
             "unknown_probability": 0.97,
         }
@@ -36,7 +36,7 @@ def peeking(campaign, names, truth: dict[str, Any]) -> dict[str, Any]:
         member = {key: e[key] for key in ("effect", "channels", "runs")} | {"probability": 0.99}
         parameters = {name: {"value": v, "std": 0.1} for name, v in e["parameters"].items()}
         causes.append({**member, "group_probability": 0.99, "group": [member], "parameters": parameters})
-    return _document(campaign, names, "explained", 0.99) | {"where": places, "causes": causes}
+    return document_of(campaign, names, "explained", 0.99) | {"where": places, "causes": causes}
 
 
 def cases():

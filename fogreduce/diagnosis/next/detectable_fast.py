@@ -14,7 +14,7 @@ from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.next.detectable_row import SEPARATED_SIGMA, Row, crossing, threshold
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.observe.full_rate import FIRST_LINE, PIECE
-from fogreduce.diagnosis.which.full_rate.converter import _WAVES
+from fogreduce.diagnosis.which.full_rate.converter import WAVES
 from fogreduce.diagnosis.which.full_rate.correlation import correlation_findings
 from fogreduce.diagnosis.which.full_rate.line_evidence import sizes_log
 from fogreduce.diagnosis.which.full_rate.link import HEALTHY_FAULT, share_evidence
@@ -229,7 +229,7 @@ def _converter(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     if samples < 1000:
         return
     for i in range(n):
-        own = _moduli(len(inputs), threshold(1.0 / n) + np.log(len(_WAVES)), probability)
+        own = _moduli(len(inputs), threshold(1.0 / n) + np.log(len(WAVES)), probability)
         kappa = 1.0 / sigma[i]
         # what the error does to each second's mean is taken for something slow
         lost = np.exp(-((kappa * sigma[i]) ** 2)) / sigma[i] ** 2

@@ -62,7 +62,7 @@ def page(
     """
     d = diagnosis.document
     title = f"{d['campaign']}: {headline(d)}"
-    parts = [_links(d)] if in_results else []
+    parts = [links_back(d)] if in_results else []
     parts.append(f"<h1>{escape(title)}</h1>")
     if label:
         parts.append(f"<p><strong>{escape(label)}</strong></p>")
@@ -85,13 +85,14 @@ def page(
     return document(title, parts)
 
 
-def _links(d: Mapping[str, Any]) -> str:
+def links_back(d: Mapping[str, Any]) -> str:
     """Back to the pages of the campaign, in whose results this page stands."""
     own = f'<a href="../index.html">{escape(d["campaign"])}</a>'
     return f'<nav><a href="../../index.html">campaigns</a> / {own}</nav>'
 
 
-def _runs(d: Mapping[str, Any], in_results: bool) -> str:
+def runs_named(d: Mapping[str, Any], in_results: bool) -> str:
+    """The line of runs; in the results each leads to its page."""
     names = [
         f'<a href="../{escape(run)}/index.html">{escape(run)}</a>' if in_results else escape(run)
         for run in d["runs"]
@@ -127,7 +128,7 @@ def _summary(d: Mapping[str, Any], in_results: bool) -> str:
         )
     parts.append(way_out(d))
     parts += [_paragraph(escape(line)) for line in captures_in_words(d)]
-    parts.append(_paragraph(_runs(d, in_results)))
+    parts.append(_paragraph(runs_named(d, in_results)))
     return f'<div class="box">{"".join(parts)}</div>'
 
 

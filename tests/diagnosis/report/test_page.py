@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fogreduce.diagnosis.report.figures import waterfall
-from fogreduce.diagnosis.report.page import _links, _runs
+from fogreduce.diagnosis.report.page import links_back, runs_named
 from fogreduce.diagnosis.report.words import announced, headline, percent, sizes
 from fogreduce.pages import svg
 
@@ -72,9 +72,9 @@ def test_drawings_are_well_formed_and_lines_end_with_runs() -> None:
 
 def test_in_the_results_the_page_links_back_to_campaign_and_runs() -> None:
     found = {"campaign": "c", "runs": ["r<1>", "r2"]}
-    assert 'href="../index.html"' in _links(found)
-    assert '<a href="../r2/index.html">r2</a>' in _runs(found, True)
-    assert _runs(found, False) == "Runs: r&lt;1&gt;, r2."
+    assert 'href="../index.html"' in links_back(found)
+    assert '<a href="../r2/index.html">r2</a>' in runs_named(found, True)
+    assert runs_named(found, False) == "Runs: r&lt;1&gt;, r2."
 
 
 def test_a_waterfall_goes_from_the_gap_down_to_noise() -> None:

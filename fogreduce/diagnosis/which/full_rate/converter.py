@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 _BINS = 8.0  # a standard deviation of the noise
 _MOST_BINS = 20_000
-_WAVES = np.arange(0.45, 3.6, 0.05)  # kappa sigma
+WAVES = np.arange(0.45, 3.6, 0.05)  # kappa sigma
 _FINE = 6000
 _STRETCH = 200  # neighbouring kappa whose waves are made from one
 _NOT_NOISE = 1.1
@@ -198,7 +198,7 @@ def converter_findings(
             alike = [c for c in here if 0.7 * sigma < c.sigma < 1.4 * sigma]
         here = alike
         # a voltage in steps shows its own waves again about those that belong to the steps
-        kappa = _WAVES[2.0 * np.pi * sigma / step[i] - _WAVES > _APART] / sigma
+        kappa = WAVES[2.0 * np.pi * sigma / step[i] - WAVES > _APART] / sigma
         if kappa.size < 2:
             continue
         z = np.array([c.score(kappa) for c in here])
