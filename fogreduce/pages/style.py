@@ -16,7 +16,7 @@ _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-
 
 
 #: Tables of more columns than these are blocks on a phone, a block a row.
-_MOST_BESIDE = 3
+_MOST_BESIDE = 2
 #: A phone names so many columns of a row's block.
 _MOST_NAMED = 24
 #: What a column's name may hold beside letters and digits: nothing that ends a string of a style sheet.
