@@ -90,20 +90,30 @@ def own_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Arr
     """Noise of each gyro in each run over that of its other runs, (R, n): 1 where they are alike.
 
     Of a gyro's runs, the one in the middle is the measure, the record's own level counted as one more run.
+    Runs of one rate and piece are compared line by line: a filter that they share leaves that as it is.
     """
     n = len(stated)
     levels, error = np.ones((len(runs), n)), np.full((len(runs), n), np.inf)
+    groups: dict[tuple[float, int], list[int]] = {}
     for r, (run, one) in enumerate(zip(runs, inputs, strict=True)):
-        if run.pieces == 0:
-            continue
-        rate = one.facts.sample_rate_hz
+        if run.pieces > 0:
+            groups.setdefault((one.facts.sample_rate_hz, len(run.frequency)), []).append(r)
+    for (rate, lines), members in groups.items():
         white = np.array([float(white_sigma(s, rate)) for s in stated]) * SECONDS_PER_HOUR
-        rounding = rounding_variance(one.facts, bits)
-        heard = ~run.at_rest & (rounding < _COARSE * (white**2 + rounding))
-        power = np.median(run.power, axis=1) / (1.0 - 1.0 / (3.0 * run.pieces))
-        levels[r] = np.where(heard, np.sqrt(power / (white**2 + rounding)), 1.0)
-        # of a median, pi / 2 times the variance of a mean; a level is half its power's logarithm
-        error[r, heard] = np.sqrt(0.5 * np.pi / (4.0 * run.pieces * run.power.shape[1]))
+        for i in range(n):
+            heard = []
+            for r in members:
+                rounding = float(rounding_variance(inputs[r].facts, bits)[i])
+                if not runs[r].at_rest[i] and rounding < _COARSE * (white[i] ** 2 + rounding):
+                    heard.append((r, white[i] ** 2 + rounding))
+            if not heard:
+                continue
+            which = [r for r, _ in heard]
+            pieces = np.array([runs[r].pieces for r in which])
+            power = np.array([runs[r].power[i] / expected for r, expected in heard])
+            levels[which, i] = np.exp(0.5 * _compared(power, pieces))
+            # of a median, pi / 2 times the variance of a mean; a level is half its power's logarithm
+            error[which, i] = np.sqrt(0.5 * np.pi / (4.0 * pieces * lines))
     own = np.ones(levels.shape)
     for i in range(n):
         seen = np.flatnonzero(np.isfinite(error[:, i]) & (levels[:, i] > 0.0))
@@ -116,6 +126,18 @@ def own_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Arr
         other = (np.abs(apart) > _APART) & (np.abs(apart) > _BEYOND_CHANCE * chance)
         own[seen[other], i] = np.exp(apart[other])
     return own
+
+
+def _compared(power: Array, pieces: NDArray[np.int64]) -> Array:
+    """Ln level (r,) of each of a gyro's runs: that of their middle spectrum, and how far each is from it.
+
+    `power` (r, F): mean powers of `pieces` (r,) pieces over the expected ones.
+    """
+    # the median of a mean of K exponential deviates of mean 1 is 1 - 1 / (3 K)
+    logs = np.log(np.maximum(power, 1e-300) / (1.0 - 1.0 / (3.0 * pieces))[:, None])
+    middle = np.median(logs, axis=0)
+    result: Array = np.median(logs - middle, axis=1) + np.median(middle)
+    return result
 
 
 def own_level_findings(

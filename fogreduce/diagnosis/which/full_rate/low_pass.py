@@ -57,17 +57,19 @@ def filter_evidence(
     tops, values, errors = [], [], []
     for kind, row in enumerate(logs):
         near = float(_TAUS_MS[int(np.argmax(row))]) * _NEAR
-        fine = filter_logs(ratio, pieces, gains_of(near)[kind], spread) + _KINDS[kind]
+        fine = filter_logs(ratio, pieces, gains_of(near)[kind], spread)
         value, error = peak(near, fine)
         tops.append(float(fine.max()))
         values.append(value)
         errors.append(error)
-    best = int(np.argmax(tops))
-    # where kinds do as well as each other, the time constant is that of any of them
-    share = np.exp(np.array(tops) - tops[best])
+    best = int(np.argmax(tops + _KINDS))
+    # where kinds do as well as each other, the time constant is that of any of them: its error holds what
+    # the spectrum alone says, not how rare a kind is
+    share = np.exp(np.array(tops) - np.max(tops))
     share /= share.sum()
     std = float(np.sqrt(share @ (np.square(errors) + (np.array(values) - values[best]) ** 2)))
     # a peak narrower than the grid's cells has its own width of them
     cells = float(np.log(_TAUS_MS[-1] / _TAUS_MS[0]))
     width = np.sqrt(2.0 * np.pi) * min(errors[best] / values[best], 1.0) / cells
-    return max(log_z, tops[best] + float(np.log(width))), tops[best], values[best], std
+    top = tops[best] + float(_KINDS[best])
+    return max(log_z, top + float(np.log(width))), top, values[best], std
