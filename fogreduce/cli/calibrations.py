@@ -91,12 +91,12 @@ def _show(arguments: argparse.Namespace) -> int:
     if record.pedigree is not None:
         of = record.pedigree
         print(f"derived from {len(of.runs)} runs of {of.campaign}, fogreduce {of.fogreduce}")
-    raw = record.raw_unit.name
+    unit = record.raw_unit.name
     rows = [
         (
             "gyro",
             "bias [deg/h]",
-            f"scale factor [{raw}/(deg/s)]",
+            f"scale factor [{unit}/(deg/s)]",
             "axis",
             "pointing [mrad]",
             "turn-on [deg/h]",

@@ -155,9 +155,9 @@ def _left_to_do(path: Path, faults: Faults) -> None:
         data = load_yaml(path)
     except BadInput:
         return  # said already
-    told = {fault.where for fault in faults if fault.file == str(path)}
+    faulty = {fault.where for fault in faults if fault.file == str(path)}
     for key, value in data.items():
-        if isinstance(value, str) and TODO in value.split("@") and key not in told:
+        if isinstance(value, str) and TODO in value.split("@") and key not in faulty:
             faults.append(Fault(str(path), key, TODO, "the value itself, filled in"))
 
 

@@ -38,9 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
     from fogreduce.stages.setup import Setup
 
     setup = Setup.read(arguments.out)
-    known = setup.axes + setup.gyros
-    if arguments.channel is not None and arguments.channel not in known:
-        raise BadInput.at("--channel", "", found=arguments.channel, expected="one of " + ", ".join(known))
+    names = setup.axes + setup.gyros
+    if arguments.channel is not None and arguments.channel not in names:
+        raise BadInput.at("--channel", "", found=arguments.channel, expected="one of " + ", ".join(names))
     channels = [arguments.channel] if arguments.channel else setup.axes or setup.gyros
     fits = read_report(setup, "fit")
     lines = [f"{setup.manifest['campaign']} / {setup.facts.run_id}, version {setup.version_id}"]

@@ -142,9 +142,9 @@ def failed_lines(jobs: Iterable[FailedJob], not_reduced: Iterable[str]) -> Itera
     not_reduced : iterable of str
         Folders of results of runs whose failure is told already.
     """
-    told = tuple(f"{folder}/" for folder in not_reduced)
+    prefixes = tuple(f"{folder}/" for folder in not_reduced)
     for job in jobs:
-        if job.log.startswith(told):
+        if job.log.startswith(prefixes):
             continue
         try:
             said = Path(job.log).read_text(encoding="utf-8", errors="replace").split("\n")

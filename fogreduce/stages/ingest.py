@@ -314,16 +314,16 @@ class Ingest:
         """What the stamps show of their clock."""
         clock = self._sequence.clock
         assert self._first_us is not None
-        known = not math.isnan(clock.rate_hz)
+        determined = not math.isnan(clock.rate_hz)
         return {
             "numbered_by": "capture" if self._sequence.numbered else "ingest",
             "first_s": self._first_us / MICROSECONDS_PER_SECOND,
             "last_s": self._last_us / MICROSECONDS_PER_SECOND,
             "stated_rate_hz": clock.stated_rate_hz,
             # stamps are whole microseconds: what is below them is rounding of the sums
-            "rate_hz": float(f"{clock.rate_hz:.10g}") if known else None,
-            "rate_ppm": round(clock.rate_ppm, 3) + 0.0 if known else None,
-            "jitter_s": round(clock.jitter_s, 8) if known else None,
+            "rate_hz": float(f"{clock.rate_hz:.10g}") if determined else None,
+            "rate_ppm": round(clock.rate_ppm, 3) + 0.0 if determined else None,
+            "jitter_s": round(clock.jitter_s, 8) if determined else None,
             "largest_jitter_s": round(clock.largest_jitter_s, 8),
             "resolution_us": clock.resolution_us,
             "doubled_stamps": clock.doubled,

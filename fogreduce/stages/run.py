@@ -240,9 +240,9 @@ def _ingested(setup: Setup, source: StageDataset) -> Iterator[Block]:
     has_counts = source.has_counts()
     variable = setup.facts.raw_unit.variable
     for start, part in source.blocks(("time", "pulse", variable, "flag", "gyro_flag")):
-        held = part[variable]
-        raw = raw_from_counts(held, setup.facts.least_count) if has_counts else held
-        counts = held if has_counts else None
+        stored = part[variable]
+        raw = raw_from_counts(stored, setup.facts.least_count) if has_counts else stored
+        counts = stored if has_counts else None
         yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, raw)
 
 

@@ -101,14 +101,14 @@ def _whole_lines(data: bytes, end: bool) -> tuple[bytes, bytes]:
     """Data up to its last line end, line ends made one byte; and the rest."""
     if b"\r" in data:
         if data.endswith(b"\r") and not end:
-            data, held = data[:-1], b"\r"  # the newline that belongs to it may come next
+            data, kept_back = data[:-1], b"\r"  # the newline that belongs to it may come next
         else:
-            held = b""
+            kept_back = b""
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     else:
-        held = b""
+        kept_back = b""
     cut = data.rfind(b"\n") + 1
-    return data[:cut], data[cut:] + held
+    return data[:cut], data[cut:] + kept_back
 
 
 def _lines(data: bytes) -> tuple[np.ndarray, np.ndarray]:
