@@ -13,10 +13,12 @@ from fogreduce.calibrate.residuals import BLOCKS, Residual
 from fogreduce.datasets.atomic import write_text
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.pages.numbers import number, plus_minus
-from fogreduce.pages.render import page
+from fogreduce.pages.render import Crumb, page
 from fogreduce.pages.svg import Panel, points, some_ticks
 
 TEMPLATE = "derivation.html"
+#: Where a campaign's results have it.
+FOLDER = "_calibration"
 
 #: Key in derivation.json -> words, unit.
 _CHANGES = {
@@ -81,7 +83,9 @@ def write_page(derivation: Derivation, data: Mapping[str, Any], path: Path) -> N
         "freedom": f"{data['chi2']['degrees_of_freedom']:.0f}",
         "p_value": number(data["chi2"]["p_value"]),
     }
-    write_text(path, page(TEMPLATE, f"Calibration derived from {data['campaign']}", context))
+    in_results = path.resolve().parent.name == FOLDER
+    crumbs = [Crumb(data["campaign"], "../index.html")] if in_results else []
+    write_text(path, page(TEMPLATE, f"Calibration derived from {data['campaign']}", context, crumbs))
 
 
 def _cell(value: object) -> str:

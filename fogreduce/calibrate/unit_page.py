@@ -13,10 +13,12 @@ from fogreduce.calibrate.coefficients import NAMES, Coefficients, changes
 from fogreduce.calibrate.registry import Entry, superseded_by
 from fogreduce.errors import BadInput
 from fogreduce.pages.numbers import number, plus_minus
-from fogreduce.pages.render import page
+from fogreduce.pages.render import Crumb, page
 from fogreduce.pages.svg import Panel, points, some_ticks
 
 TEMPLATE = "unit.html"
+#: Where results have the pages of units.
+FOLDER = "_units"
 #: Beyond so many standard deviations a change is marked: of some dozens chance makes one in a hundred pages.
 _CLEAR_SIGMA = 3.5
 _DAYS_PER_YEAR = 365.25
@@ -28,7 +30,12 @@ _TITLES = {
 }
 
 
-def unit_page(unit: str, entries: Sequence[Entry], used: Mapping[str, Sequence[str]] | None = None) -> str:
+def unit_page(
+    unit: str,
+    entries: Sequence[Entry],
+    used: Mapping[str, Sequence[str]] | None = None,
+    in_results: bool = False,
+) -> str:
     """The page of a unit.
 
     Parameters
@@ -38,6 +45,8 @@ def unit_page(unit: str, entries: Sequence[Entry], used: Mapping[str, Sequence[s
         Its records in order of validity.
     used : mapping or None
         Record -> results reduced with it; None where nobody looked.
+    in_results : bool
+        Whether it lies in the results' folder `FOLDER`: then it leads back to the page of all campaigns.
     """
     of_unit = [entry for entry in entries if entry.record.unit == unit]
     if not of_unit:
@@ -57,7 +66,8 @@ def unit_page(unit: str, entries: Sequence[Entry], used: Mapping[str, Sequence[s
         ],
         "clear_sigma": _CLEAR_SIGMA,
     }
-    return page(TEMPLATE, f"Calibration of {unit}", context)
+    crumbs = [Crumb("All campaigns", "../index.html")] if in_results else []
+    return page(TEMPLATE, f"Calibration of {unit}", context, crumbs)
 
 
 def _row(entry: Entry, entries: Sequence[Entry], used: Mapping[str, Sequence[str]] | None) -> dict[str, Any]:

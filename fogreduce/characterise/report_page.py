@@ -8,17 +8,19 @@ from markupsafe import Markup
 
 from fogreduce.characterise import report_rows as rows
 from fogreduce.pages.numbers import duration, number, plus_minus
-from fogreduce.pages.render import page
+from fogreduce.pages.render import Crumb, page
 from fogreduce.pages.svg import whole
 
 TEMPLATE = "report.html"
+#: Where a campaign's results have it.
+FOLDER = "_report"
 
 _CELL = 9.0
 _COLOURS = ("#f3f5f8", "#c9d8e8", "#86a3c3", "#1d4f80")  # up to 2, 4, 8 errors, beyond
 
 
-def report_page(document: rows.Document) -> str:
-    """The page of a report's document."""
+def report_page(document: rows.Document, in_results: bool = False) -> str:
+    """The page of a report's document; in a campaign's results, `FOLDER`, it leads back to the campaign's."""
     parity, windows = document["parity"], document["windows"]
     context = {
         "data": document,
@@ -35,7 +37,8 @@ def report_page(document: rows.Document) -> str:
         "definitions": rows.definition_rows(document),
         "runs": run_rows(document),
     }
-    return page(TEMPLATE, f"Test report: {document['unit']}", context)
+    crumbs = [Crumb(document["campaign"], "../index.html")] if in_results else []
+    return page(TEMPLATE, f"Test report: {document['unit']}", context, crumbs)
 
 
 def turn_rows(document: rows.Document) -> list[dict[str, Any]]:

@@ -167,7 +167,7 @@ def _validate(arguments: argparse.Namespace) -> int:
 
 
 def _page(arguments: argparse.Namespace) -> int:
-    from fogreduce.calibrate.unit_page import unit_page
+    from fogreduce.calibrate.unit_page import FOLDER, unit_page
     from fogreduce.datasets.atomic import write_text
 
     if arguments.out.suffix != ".html":
@@ -175,7 +175,8 @@ def _page(arguments: argparse.Namespace) -> int:
     entries, faults = _read(arguments)
     if faults:
         raise BadInput(*faults)
-    write_text(arguments.out, unit_page(arguments.unit, entries, _used(arguments)))
+    in_results = arguments.out.resolve().parent.name == FOLDER
+    write_text(arguments.out, unit_page(arguments.unit, entries, _used(arguments), in_results))
     print(arguments.out)
     return 0
 

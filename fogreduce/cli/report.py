@@ -27,7 +27,7 @@ def run(args: argparse.Namespace) -> int:
     from fogreduce.characterise.definitions import read_definitions
     from fogreduce.characterise.limits import read_limits
     from fogreduce.characterise.report import report
-    from fogreduce.characterise.report_page import report_page
+    from fogreduce.characterise.report_page import FOLDER, report_page
     from fogreduce.characterise.report_pdf import write_pdf
     from fogreduce.characterise.report_rows import verdict_line
     from fogreduce.datasets.atomic import whole_file, write_text
@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     choices, limits = read_definitions(args.definitions), read_limits(args.limits)
     only = [name for name in args.only_runs.split(",") if name]
     document = report(args.campaign, args.calibrations, only, choices, limits)
-    page = report_page(document)
+    page = report_page(document, args.out.resolve().name == FOLDER)
     with whole_file(args.out / "report.pdf") as path:
         write_pdf(document, path)
     write_text(args.out / "index.html", page)

@@ -4,6 +4,7 @@ import shutil
 from html import escape
 from pathlib import Path
 
+import html_checks
 import pytest
 from browser import evaluate, needs_browser
 from small_unit import succeed
@@ -53,6 +54,20 @@ def results(lab, tmp_path_factory) -> Path:
     succeed("page", "campaign", results / "c1", "--campaigns", campaign.parent)
     succeed("page", "index", results, "--campaigns", campaign.parent)
     return results
+
+
+def links(page: Path) -> set[str]:
+    """Where a page leads, links within it left out."""
+    return {attrs["href"] for attrs in html_checks.Page(page.read_text()).all("a") if attrs["href"][0] != "#"}
+
+
+@pytest.mark.slow
+def test_no_link_of_any_page_is_dead_and_each_leads_back(results) -> None:
+    for page in (results / name for name in PAGES):
+        assert [link for link in links(page) if not (page.parent / link).is_file()] == []
+    assert "../index.html" in links(results / "_units" / "TETRA-01.html")
+    for name in ("_diagnosis", "_report", "_calibration"):
+        assert "../index.html" in links(results / "c1" / name / "index.html")
 
 
 @needs_browser
