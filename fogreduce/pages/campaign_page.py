@@ -254,15 +254,19 @@ def _charts(runs: Sequence[Entry], verdicts: Sequence[Verdict | None]) -> list[d
     names = [entry.run_id for entry in runs]
     out = frozenset(place for place, said in enumerate(verdicts) if said and said.state == FLAGGED)
     dates = [entry.started_at[:10] for entry in runs]
+    shown = [
+        (title, text, panels)
+        for title, text, drawn in charts
+        if (panels := [replace(panel, out=out) for panel in drawn if any(panel.values)])
+    ]
     return [
         {
             "title": title,
             "text": text,
             "svg": svg.points(panels, ticks, _said(title, panels), absent, linked=True),
-            "zoom": zoom.runs(names, dates, panels),
+            "zoom": zoom.runs(None if k else names, None if k else dates, panels),
         }
-        for title, text, drawn in charts
-        if (panels := [replace(panel, out=out) for panel in drawn if any(panel.values)])
+        for k, (title, text, panels) in enumerate(shown)
     ]
 
 

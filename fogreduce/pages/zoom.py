@@ -63,13 +63,13 @@ def lines(axis: str, x: Array, panels: Sequence[Line]) -> Markup:
     return _block({"kind": "lines", "axis": axis, "x": rounded(x, _decimals(np.diff(x))), "panels": out})
 
 
-def runs(names: Sequence[str], dates: Sequence[str], panels: Sequence[Panel]) -> Markup:
+def runs(names: Sequence[str] | None, dates: Sequence[str] | None, panels: Sequence[Panel]) -> Markup:
     """Runs side by side, as the panels of `fogreduce.pages.svg.points` have them.
 
     Parameters
     ----------
-    names, dates : sequence of str
-        Of each run.
+    names, dates : sequence of str or None
+        Of each run; None: those of the page's first figure.
     panels : sequence of Panel
         Of as many runs.
     """

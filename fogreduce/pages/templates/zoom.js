@@ -62,6 +62,11 @@
       panel.high = panel.values.map(end(1));
     }
     const runs = data.kind === "runs";
+    if (runs && !data.names) { // those of the page's first figure
+      const first = JSON.parse(document.querySelector(".zoom script").textContent);
+      data.names = first.names;
+      data.dates = first.dates;
+    }
     const x = runs ? data.names.map((_, i) => i) : data.x, last = x.length - 1;
     const whole = runs ? [-0.5, last + 0.5] : [x[0], x[last]];
     const columns = [x, panel.values];
