@@ -13,10 +13,9 @@ The smallest that were found on these runs: latitude 1 to 2 deg, azimuth 1 to 2 
 0.05 s; a rate of 24 deg/s 100 ppm off was with four gyros and was not with three.
 """
 
-import re
-
 import numpy as np
 import pytest
+from named import assert_named, in_turn
 
 #: Mistakes, each with a pattern of which something must stand in what is said.
 MISTAKES = {}
@@ -399,76 +398,12 @@ QUICK = {
     "a_clock_that_was_started_five_seconds_early",
     "the_temperature_log_of_a_shorter_run",
     "the_encoder_log_of_another_run",
-    "read as increments",
-    "increments in the file",
-    "latitude transposed",
 }
 
 
-def in_turn(table):
-    """Names of a table of mistakes, those that are not quick marked slow."""
-    assert QUICK & set(table)
-    return [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in table]
-
-
-@pytest.mark.parametrize("name", in_turn(MISTAKES))
+@pytest.mark.parametrize("name", in_turn(MISTAKES, QUICK))
 def test_a_mistake_is_named(good, tmp_path, name):
-    change, pattern = MISTAKES[name]
-    status, err = good.with_mistake(change, tmp_path)
-    assert status in (0, 2)
-    assert "Traceback" not in err
-    assert err.strip(), "nothing is said of it"
-    assert re.search(pattern, err), err
-
-
-# A digital unit: deg/s, about a level axis
-
-
-def another_raw_unit(name):
-    def change(m):
-        m.run["capture"]["raw_unit"] = name
-
-    return change
-
-
-def readings_times(factor):
-    return lambda m: m.edit("capture.csv", lambda rows: rows * np.array([1.0, factor, factor, factor]))
-
-
-DIGITAL_MISTAKES = {
-    "read as rad/s": (another_raw_unit("rad/s"), "raw_unit|capture.csv: line 1"),
-    "read as deg/h": (another_raw_unit("deg/h"), "raw_unit|capture.csv: line 1"),
-    "read as increments": (another_raw_unit("deg"), "raw_unit|capture.csv: line 1"),
-    "deg/h in the file": (readings_times(3600.0), "factor of 3600"),
-    "rad/s in the file": (readings_times(np.pi / 180), r"factor of 57\.29"),
-    "increments in the file": (readings_times(1 / 64), "factor"),
-    "a thousandth too much": (readings_times(1.001), "commanded"),
-    "axes x and y exchanged": (
-        lambda m: m.edit("capture.csv", lambda r: r[:, [0, 2, 1, 3]]),
-        "exchanged|axis",
-    ),
-    "axes turned round": (lambda m: m.edit("capture.csv", lambda r: r[:, [0, 2, 3, 1]]), "axis|exchanged"),
-    "latitude without its sign": (lambda m: m.run["site"].update(latitude_deg=-48.137), "latitude"),
-    "latitude transposed": (lambda m: m.run["site"].update(latitude_deg=41.837), "commanded|sine|latitude"),
-    "azimuth off by 3 deg": (lambda m: m.run.update(azimuth_deg=34.0), "azimuth|commanded|sine"),
-    "azimuth off by 2 deg": (lambda m: m.run.update(azimuth_deg=33.0), "azimuth|commanded|sine"),
-    "x down": (lambda m: m.run.update(orientation={"z": "east", "x": "down"}), "orientation|sign|latitude"),
-    "z west": (lambda m: m.run.update(orientation={"z": "west", "x": "up"}), "azimuth|orientation"),
-}
-
-
-@pytest.mark.parametrize("name", in_turn(DIGITAL_MISTAKES))
-def test_a_mistake_with_a_digital_unit_is_named(digital, tmp_path, name):
-    change, pattern = DIGITAL_MISTAKES[name]
-    status, err = digital.with_mistake(change, tmp_path)
-    assert status in (0, 2)
-    assert "Traceback" not in err
-    assert err.strip(), "nothing is said of it"
-    assert re.search(pattern, err), err
-
-
-def test_of_the_good_digital_run_nothing_is_said(digital, tmp_path):
-    assert digital.with_mistake(lambda m: None, tmp_path) == (0, "")
+    assert_named(good, *MISTAKES[name], tmp_path)
 
 
 def test_of_the_good_run_nothing_is_said(good, tmp_path):
