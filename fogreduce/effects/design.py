@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-#: Points of a grid: from the length of the longest run [s] to values of the parameters that nothing scales.
+#: Points of a grid: from the length of the longest run [s], or from the largest reading [deg/h] for what acts
+#: on the reading alone, to values of the parameters that nothing scales.
 Grid = Callable[[float], tuple[Mapping[str, Any], ...]]
 
 

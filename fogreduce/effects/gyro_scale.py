@@ -50,9 +50,11 @@ def dead_zone(reading: Array, p: Parameters, at: At) -> Array:
     return np.where(np.abs(reading) < width, 0.0, outside)
 
 
-def widths(longest_s: float) -> tuple[dict[str, float | str], ...]:
-    """Widths of a dead zone, of either kind: far below Earth's rate to far above it [deg/h]."""
-    sizes = np.geomspace(0.05, 250.0, 56).tolist()
+def widths(largest_deg_h: float) -> tuple[dict[str, float | str], ...]:
+    """Widths of a dead zone, of either kind: far below Earth's rate to the largest reading [deg/h]."""
+    least, apart = 0.05, 1.167
+    count = 1 + int(np.ceil(np.log(max(largest_deg_h, 2.0 * least) / least) / np.log(apart)))
+    sizes = np.geomspace(least, max(largest_deg_h, 2.0 * least), count).tolist()
     return tuple({"deg_h": w, "kind": kind} for kind in ("threshold", "subtractive") for w in sizes)
 
 

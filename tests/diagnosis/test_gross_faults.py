@@ -105,3 +105,18 @@ def test_many_spurious_counts_are_spikes(tmp_path: Path, share: float) -> None:
     assert [(c["effect"], c["channels"]) for c in found["causes"]] == [("spikes", ["gyro2"])]
     stated = found["causes"][0]["parameters"]["fraction"]
     assert abs(stated["value"] - share) < 3.0 * stated["std"] < 0.1
+
+
+@pytest.mark.parametrize("kind", ["threshold", "subtractive"])
+def test_a_dead_zone_wider_than_a_slow_run_turns(tmp_path: Path, kind: str) -> None:
+    lab(tmp_path, rates=(10.0, -10.0, 0.4, -0.7, 0.5, 0.0))
+    wide = put("dead_zone", "gyro2", deg_h=900.0, kind=kind)
+    found = diagnosed(tmp_path, simulated(tmp_path, [wide]))
+    assert found["verdict"] == "explained"
+    (cause,) = found["causes"]
+    assert (cause["effect"], cause["channels"]) == ("dead_zone", ["gyro2"])
+    assert cause["parameters"]["kind"]["value"] == kind
+    assert cause["probability"] > 0.99
+    size = cause["parameters"]["deg_h"]
+    # between the rates of two runs every threshold does the same
+    assert abs(size["value"] - 900.0) < 3.0 * size["std"] < 900.0

@@ -27,6 +27,10 @@ _MOST_MOVES = 8
 _ABOUT = np.arange(-8, 9) / 8.0
 _FAR = 2.0  # times what noise leaves
 _BY_FAR = 50.0  # of chi-squared
+#: A width is as good as another within so much of chi-squared, one standard deviation; how far off, relative,
+#: it is looked at first, how much further then, and how often its end is halved.
+_AS_GOOD, _NEAR, _FURTHER, _HALVINGS = 1.0, 0.01, 1.6, 7
+_WIDEST = np.log(1e3)  # times as wide, or as narrow
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,43 @@ def refined(
         _widened(gap, causes, k) if "tau_s" in c.theta else _between_samples(gap, causes, k)
         for k, c in enumerate(causes)
     ]
-    return replace(model, causes=tuple(held))
+    model = replace(model, causes=tuple(held))
+    for k, c in enumerate(model.causes):
+        design = EFFECTS[c.effect].design
+        if design is not None and design.exact == "reading":
+            model = _between_readings(gap, model, k)
+    return model
+
+
+def _between_readings(gap: _Gap, model: Model, which: int) -> Model:
+    """The width of a dead zone in the middle of all that do as well: between two runs' readings any does."""
+    cause = model.causes[which]
+    (name,) = cause.theta
+    value, others = cause.theta[name], (model.causes[:which], model.causes[which + 1 :])
+    most = gap.chi2(model.change) + _AS_GOOD
+    largest = max(float(np.abs(one.scene.block_means()).max()) for one in gap.inputs)
+
+    def at(size: float) -> list[Cause]:
+        return [*others[0], replace(cause, theta={name: size}), *others[1]]
+
+    def as_good(ratio: float) -> bool:
+        return value * ratio <= largest and gap.chi2(gap.change(at(value * ratio))) <= most
+
+    ends = []
+    for sign in (-1.0, 1.0):
+        inside, outside = 0.0, float(np.log1p(_NEAR))
+        while as_good(np.exp(sign * outside)) and outside < _WIDEST:
+            inside, outside = outside, _FURTHER * outside
+        for _ in range(_HALVINGS if inside else 0):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if as_good(np.exp(sign * middle)) else (inside, middle)
+        ends.append(value * float(np.exp(sign * inside)))
+    middle, std = 0.5 * sum(ends), (ends[1] - ends[0]) / np.sqrt(12.0)
+    if std <= cause.std.get(name, 0.0) or not as_good(middle / value):
+        return model
+    causes = at(middle)
+    causes[which] = replace(causes[which], std={name: float(std)})
+    return modelled(gap.inputs, causes, gap.whiten, gap.nominal)
 
 
 def _at_instants(gap: _Gap, model: Model) -> list[Cause]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.options import Option
 from fogreduce.diagnosis.inference.search import Search
@@ -75,7 +76,8 @@ def in_its_place(search: Search, state: State, k: int, most: int) -> Named:
     key = state.causes[k].key
     others = [c for c in state.causes if c.key != key]
     base = [c for c in others if c.process or c.key in state.ground.base]
-    options = search.options(search.state(others, search.ground_of(base), refine=False))
+    before = search.state(others, search.ground_of(base), refine=False)
+    options = [_as_simulated(search, before, state.causes[k], o) for o in search.options(before)]
     total = _log_sum([*(o.score for o in options), -priors.LOG_FURTHER])
     chances = sorted(((o, float(np.exp(o.score - total))) for o in options if o.known), key=lambda x: -x[1])
     own = next(((o, p) for o, p in chances if o.key == key), None)
@@ -86,6 +88,15 @@ def in_its_place(search: Search, state: State, k: int, most: int) -> Named:
     if all(o.key[:3] != own[0].key[:3] for o, _ in rivals):
         rivals = [*rivals[: most - 1], own]
     return Named(k, rivals[0][1], min(sum(p for _, p in rivals), 1.0), tuple(rivals))
+
+
+def _as_simulated(search: Search, before: State, cause: Cause, option: Option) -> Option:
+    """The option that is a cause, by what it gains as it was fitted: a grid's next point may be far off."""
+    if option.key != cause.key or option.fit is None:
+        return option
+    after = search.state([*before.causes, cause], before.ground, refine=False)
+    more = 0.5 * max(search.gained(before, after) - option.q, 0.0)
+    return replace(option, log_b=option.log_b + more, raw=option.raw + more)
 
 
 def _once(rivals: list[tuple[Option, float]]) -> list[tuple[Option, float]]:

@@ -42,3 +42,11 @@ def believed(fit: Fit) -> bool:
     assert realistic is not None, f"{c.effect}: an amplitude needs a realistic range"
     size = float(np.linalg.norm(fit.coefficients * c.steps[fit.best]))
     return size <= priors.LARGEST * priors.ABOVE[-1][0] * realistic[1]
+
+
+def width_believed(candidate: Candidate, point: int) -> bool:
+    """Whether what is not scaled has no size at a point of its grid beyond what is believed of its effect."""
+    at = candidate.grid[point]
+    sizes = [p for p in EFFECTS[candidate.effect].parameters if p.kind == "number"]
+    most = priors.LARGEST * priors.ABOVE[-1][0]
+    return all(at.get(p.name, 0.0) <= most * p.realistic[1] for p in sizes if p.realistic is not None)

@@ -19,6 +19,7 @@ from fogreduce.diagnosis.inference.noise_model import Metric, Rows
 from fogreduce.diagnosis.inference.regression import Member
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.sets import CauseSet, SetSearch
+from fogreduce.diagnosis.inference.sizes import width_believed
 from fogreduce.effects.gyro_names import gyro_name
 
 Array = NDArray[np.float64]
@@ -168,6 +169,8 @@ def _believed(sets: SetSearch, best: CauseSet) -> bool:
     start = 0
     for option in (sets.regression.options[m.option] for m in best.members):
         if option.fixed:
+            if not width_believed(option.candidate, option.point):
+                return False
             continue
         mean = best.fit.mean[start : start + len(option.columns)]
         start += len(option.columns)

@@ -7,7 +7,7 @@ import pytest
 
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.evidence import Fit
-from fogreduce.diagnosis.inference.sizes import believed, size_scales
+from fogreduce.diagnosis.inference.sizes import believed, size_scales, width_believed
 from fogreduce.effects.table import EFFECTS
 
 
@@ -50,3 +50,10 @@ def test_a_bias_of_more_than_a_hundred_times_the_range_is_not_believed(deg_h: fl
         np.full((1, 1), 0.5),
     )
     assert believed(Fit(one, 0.0, 0, 0.0, np.array([deg_h / 0.5]), np.eye(1))) is is_it
+
+
+@pytest.mark.parametrize(("deg_h", "is_it"), [(1900.0, True), (2100.0, False)])
+def test_no_dead_zone_a_hundred_times_as_wide_as_units_show_is_believed(deg_h: float, is_it: bool) -> None:
+    columns, grid = np.zeros((2, 1, 1)), ({"deg_h": deg_h, "kind": "threshold"},)
+    wide = Candidate("dead_zone", ("gyro1",), ("*",), slice(0, 2), columns, grid, (), np.ones((1, 1)), True)
+    assert width_believed(wide, 0) is is_it

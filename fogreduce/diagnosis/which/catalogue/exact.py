@@ -25,8 +25,8 @@ _FEWEST_LEVELS, _APART = 4, 1.0 / 64.0
 
 
 def of_reading(effect: Effect, design: Design, build: Builder) -> Iterator[Candidate]:
-    """What a function of the reading alone does, of a grid of sizes; each kind of it is a candidate."""
-    grid = design.grid(build.longest_s)
+    """What a function of the reading alone does, of sizes up to the largest; each kind is a candidate."""
+    grid = design.grid(max(float(np.abs(p).max()) for p in build.plain))
     kinds = [p.name for p in effect.parameters if p.kind == "choice"]
     every = [list(points) for _, points in groupby(grid, key=lambda point: [point[name] for name in kinds])]
     for points in every:
