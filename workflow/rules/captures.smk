@@ -20,6 +20,8 @@ rule make_campaign:
 rule make_capture:
     input:
         about=files_of_campaign,
+        # Simulating writes it too: not before its own rule, which would find a file that it did not expect.
+        written=ancient(f"{MADE}/{{campaign}}/campaign.yaml"),
         run=lambda wildcards: files_of_run(wildcards.campaign, wildcards.run),
         calibrations=calibration_inputs,
     output:

@@ -91,7 +91,10 @@ if workflow.is_main_process:
         for fault in campaign.left_out:
             print(f"left out: {fault}", file=sys.stderr)
 
-if "SOURCES" not in {usage.name for usage in workflow.storage_settings.shared_fs_usage}:
+#: What this process shares with the jobs that it sends, in Snakemake's words.
+SHARED_USAGE = {usage.name for usage in workflow.storage_settings.shared_fs_usage}
+
+if "SOURCES" not in SHARED_USAGE:
 
     # Snakemake brings its configuration to workers that share no files.
     configfile: TABLE_FILE
@@ -143,10 +146,24 @@ def old_campaign_file(wildcards):
     return ancient(beside_runs(wildcards, "campaign.yaml"))
 
 
+def campaign_file_of_runs(wildcards):
+    """The campaign.yaml, where it says something that runs are reduced with: what else it says concerns no run."""
+    about = ABOUT[wildcards.campaign]
+    says = about.label or about.calibration or wildcards.campaign in MADE_CAMPAIGNS
+    return old_campaign_file(wildcards) if says else []
+
+
+#: Whether jobs see the folders as they are; where they do not, each needs as input all that it reads.
+SHARED = "INPUT_OUTPUT" in SHARED_USAGE
+
+
 def planned(*names):
-    """The run.yaml and campaign.yaml of campaigns: which runs there are."""
+    """The run.yaml and campaign.yaml of campaigns, which say what runs there are, for jobs that see no folders.
+
+    Elsewhere they are no inputs: one run.yaml with a time in the future would fail the tables over all runs.
+    """
     files = []
-    for name in names:
+    for name in [] if SHARED else names:
         folder = f"{CONFIG.campaigns_dir}/{name}"
         files += [f"{folder}/runs/{run}/run.yaml" for run in TABLE.campaigns[name].runs]
         if "campaign.yaml" in TABLE.campaigns[name].files:
@@ -156,6 +173,8 @@ def planned(*names):
 
 def folder_of_campaigns(wildcards, input):
     """The folder of all campaigns, where this job finds it."""
+    if SHARED:
+        return CONFIG.campaigns_dir
     first = input.planned[0]
     parts = 2 if first.endswith("campaign.yaml") else 4
     for _ in range(parts):

@@ -23,6 +23,7 @@ rule run_page:
 rule campaign_page:
     input:
         planned=lambda wildcards: planned(wildcards.campaign),
+        about=lambda wildcards: beside_runs(wildcards, "campaign.yaml"),
         runs=lambda wildcards: of_runs("index.html", wildcards.campaign),
         manifests=lambda wildcards: of_runs("manifest.json", wildcards.campaign),
         overviews=lambda wildcards: of_runs("reports/overview.json", wildcards.campaign),

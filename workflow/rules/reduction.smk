@@ -8,7 +8,7 @@ output of the stages: so what changes one of them remakes the manifest and, with
 rule manifest:
     input:
         run=run_inputs,
-        about=old_campaign_file,
+        about=campaign_file_of_runs,
         calibrations=calibration_inputs,
     output:
         run_file("manifest.json"),
