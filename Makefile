@@ -15,7 +15,7 @@ reduce: $(READY)
 
 ## Run the tests.
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
 
 ## Run the tests that take longer.
 test-slow: $(READY)
