@@ -35,6 +35,8 @@ class Design:
         The other parameters at which it is looked for.
     steps : tuple of float
         Where it is not linear in what is scaled: sizes at which differences are made, each a point by itself.
+    rarer : float
+        Prior share of each of `steps` but the first; 0: all are alike.
     vector : str
         What is scaled is a vector: ``unit``, its three components; ``across``, two at right angles to the
         gyro's axis; ``room``, a number along the direction `along`.
@@ -68,6 +70,7 @@ class Design:
     step: float = 1.0
     grid: Grid = one_point
     steps: tuple[float, ...] = ()
+    rarer: float = 0.0
     vector: str = ""
     along: str = ""
     wave: str = ""

@@ -72,6 +72,12 @@ def base_motion(motion: Motion, p: Parameters, at: At) -> Motion:
 _DELAYS_S = (0.02, 0.05, 0.15, 0.4, 1.0, 2.0, 3.0, -0.02, -0.05, -0.15, -0.4, -1.0, -2.0, -3.0)
 
 
+#: Errors of heading at which one is looked for [deg]: what it changes points along half of it, so that nine
+#: tenths of its square lie along the nearest's. Nearly all are a few degrees.
+_HEADINGS_DEG = (0.01, 60.0, 120.0, 180.0, -120.0, -60.0)
+_FAR_OFF = 0.002  # each
+
+
 def harmonics(longest_s: float) -> tuple[dict[str, int], ...]:
     """Waves of a turn: an encoder's eccentricity, poles and teeth."""
     return tuple({"harmonic": n} for n in (1, 2, 3, 4, 5, 6, 8, 9, 10, 12, 18, 24, 36))
@@ -128,7 +134,7 @@ EFFECTS = (
         {"deg": 1.0},
         channels="table",
         words="points another way than stated: the azimuth is off",
-        design=Design("deg", 0.01),
+        design=Design("deg", steps=_HEADINGS_DEG, rarer=_FAR_OFF, shown={"deg": (0.01,)}),
     ),
     Effect(
         "latitude_error",

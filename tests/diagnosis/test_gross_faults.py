@@ -120,3 +120,14 @@ def test_a_dead_zone_wider_than_a_slow_run_turns(tmp_path: Path, kind: str) -> N
     size = cause["parameters"]["deg_h"]
     # between the rates of two runs every threshold does the same
     assert abs(size["value"] - 900.0) < 3.0 * size["std"] < 900.0
+
+
+@pytest.mark.parametrize("off_deg", [90.0, pytest.param(-150.0, marks=pytest.mark.slow)])
+def test_a_heading_however_far_off_is_one_cause(tmp_path: Path, off_deg: float) -> None:
+    lab(tmp_path)
+    found = diagnosed(tmp_path, simulated(tmp_path, [put("heading_error", "table", deg=off_deg)]))
+    assert found["verdict"] == "explained"
+    (cause,) = found["causes"]
+    assert (cause["effect"], cause["probability"] > 0.99) == ("heading_error", True)
+    size = cause["parameters"]["deg"]
+    assert abs(size["value"] - off_deg) < 3.0 * size["std"] < 3.0

@@ -44,6 +44,8 @@ class Candidate:
         False for what no effect of the catalogue does: a family of the unknown.
     realistic : (float, float) or None
         Sizes that units of the class show, where a data sheet has them; None: those that the effect states.
+    weights : (J,) array or None
+        Prior shares of the points of the grid; None: all are alike.
     feature, stage : str
         For a family of the unknown: the contract's words for where it shows.
     """
@@ -64,6 +66,7 @@ class Candidate:
     stage: str = "gyro"
     extra: Mapping[str, Any] = field(default_factory=dict)
     realistic: tuple[float, float] | None = None
+    weights: Array | None = None
 
     @property
     def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
@@ -74,6 +77,12 @@ class Candidate:
             self.runs,
             str(self.extra.get("source", self.extra.get("with", ""))),
         )
+
+    @property
+    def log_weights(self) -> Array:
+        """Ln of the prior shares of the points of the grid, (J,)."""
+        points = self.columns.shape[1]
+        return np.log(np.full(points, 1.0 / points) if self.weights is None else self.weights)
 
     @cached_property
     def flat(self) -> Array:

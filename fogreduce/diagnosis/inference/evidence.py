@@ -145,7 +145,7 @@ class Field:
         best = int(np.argmax(logs))
         return Fit(
             candidate,
-            float(log_mean_exp(logs)),
+            float(log_mean_exp(logs, candidate.log_weights)),
             best,
             float(points.q[best]),
             points.coefficients[best],

@@ -55,7 +55,7 @@ class Library:
                 self._long.append((number, c))
                 continue
             for point in range(points):
-                self._add(number, c, point, -float(np.log(points)))
+                self._add(number, c, point, float(c.log_weights[point]))
 
     def _add(self, number: int, c: Candidate, point: int, log_weight: float) -> None:
         """Take in one point of a candidate's grid."""
@@ -95,7 +95,9 @@ class Library:
         shape : mapping
             Parameters that no column scales.
         """
-        settled = replace(c, columns=columns[c.rows][:, None, :], grid=(shape,), steps=steps[None, :])
+        settled = replace(
+            c, columns=columns[c.rows][:, None, :], grid=(shape,), steps=steps[None, :], weights=None
+        )
         self._append(self._entry[c.key], settled, 0, log_weight)
         return len(self.options) - 1
 
@@ -130,7 +132,7 @@ class Library:
 def at_point(c: Candidate, point: int) -> Candidate:
     """A candidate at one point of its grid."""
     part = slice(point, point + 1)
-    return replace(c, columns=c.columns[:, part], grid=c.grid[part], steps=c.steps[part])
+    return replace(c, columns=c.columns[:, part], grid=c.grid[part], steps=c.steps[part], weights=None)
 
 
 def _common(c: Candidate) -> bool:

@@ -217,7 +217,7 @@ def _about(search: Search, state: State, first: Sequence[Fit], unclosed: Sequenc
         sizes = _sizes(cause, fit.candidate.scales) / steps
         y = y + block @ sizes
         shape = _shape(cause, fit.candidate.scales)
-        settled, share = at_point(fit.candidate, fit.best), -float(np.log(fit.candidate.columns.shape[1]))
+        settled, share = at_point(fit.candidate, fit.best), float(fit.candidate.log_weights[fit.best])
         number = library.settled(settled, share, block, steps, shape)
         members.append(library.member(number, sizes))
     return _About(ground, library, ground.metric.wider(state.shapes), y, tuple(members))

@@ -22,7 +22,10 @@ def of_table(effect: Effect, design: Design, build: Builder) -> Iterator[Candida
     if design.steps:
         late = [column(**{design.scaled: size}) for size in design.steps]
         steps = np.array(design.steps)[:, None]
-        yield build.of_table(effect.name, late, 1, [{} for _ in late], (design.scaled,), steps)
+        others = np.full(len(late) - 1, design.rarer)
+        weights = np.array([1.0 - others.sum(), *others]) if design.rarer else None
+        points: list[dict[str, Any]] = [{} for _ in late]
+        yield build.of_table(effect.name, late, 1, points, (design.scaled,), steps, weights=weights)
     elif design.vector:
         ways = [column(**{design.scaled: tuple(way)}) for way in (design.step * np.eye(3)).tolist()]
         names = tuple(f"{design.scaled}[{k}]" for k in range(3))
