@@ -114,7 +114,9 @@ def _processes_instead(search: Search, posterior: SlowPosterior, entry: int) -> 
     for found in posterior.state.ground.processes.findings(field, search.allowed):
         if found.known and found.channels == key[1]:
             score = found.log_b + process_price(found)
-            out.append((Option(None, found, found.log_b, score - found.log_b), float(np.exp(score - lost))))
+            # odds beyond what a number holds are certainty
+            odds = float(np.exp(min(score - lost, 500.0)))
+            out.append((Option(None, found, found.log_b, score - found.log_b), odds))
     return out
 
 
