@@ -15,7 +15,12 @@ from fogreduce.progress import progress
 
 _NOTHING = "Nothing to be done"
 #: What Snakemake says whenever a job has ended; of failed ones, the end says why.
-_OF_EACH_JOB = ("Select jobs to execute", "Execute ", "RuleException")
+_OF_EACH_JOB = (
+    "Select jobs to execute",
+    "Execute ",
+    "RuleException",
+    "Exiting because a job execution failed",
+)
 
 
 @dataclass(frozen=True)
@@ -94,7 +99,9 @@ def choose_messages(logger: logging.Logger, *, dry_run: bool) -> None:
             handler.addFilter(lambda record: not record.getMessage().startswith(_OF_EACH_JOB))
 
 
-def result_lines(results: Path, runs: Iterable[tuple[str, str]], *, pages: bool) -> Iterator[str]:
+def result_lines(
+    results: Path, runs: Iterable[tuple[str, str]], failed: Iterable[FailedJob] = (), *, pages: bool
+) -> Iterator[str]:
     """The end of a workflow in words: how many runs are reduced, flagged, failed, and the page to open.
 
     Parameters
@@ -103,6 +110,8 @@ def result_lines(results: Path, runs: Iterable[tuple[str, str]], *, pages: bool)
         Folder of all results.
     runs : iterable of (campaign, run)
         Those that the workflow is about.
+    failed : iterable of FailedJob
+        A run with one among them that has results has those of an earlier call, in part at least.
     pages : bool
         Whether it writes pages, which know what is flagged.
     """
@@ -110,25 +119,32 @@ def result_lines(results: Path, runs: Iterable[tuple[str, str]], *, pages: bool)
     from fogreduce.pages.overview import kept_overview
     from fogreduce.pages.verdict import FLAGGED, verdicts
 
-    number = reduced = 0
+    number = reduced = earlier = 0
+    logs = [job.log for job in failed]
     overviews = []
     for campaign, run in runs:
         number += 1
         folder = results / campaign / run
         if not (folder / "tables" / "drift.csv").is_file():
             continue
+        if any(log.startswith(f"{folder}/") for log in logs):
+            earlier += 1
+            continue
         reduced += 1
         if pages:
             with suppress(BadInput):
                 overviews.append(kept_overview(folder))
-    if not reduced:
+    if not reduced + earlier:
         return
     said = f"{number} run{'' if number == 1 else 's'}: {reduced} reduced"
     if pages:
         overviews.sort(key=lambda seen: (seen["started_at"], seen["campaign"], seen["run_id"]))
         flagged = sum(verdict.state == FLAGGED for verdict in verdicts(overviews))
         said += f", of these {flagged} flagged"
-    yield said + (f"; {number - reduced} not reduced" if number > reduced else "")
+    if earlier:
+        said += f"; {earlier} not made anew, with results of before"
+    missing = number - reduced - earlier
+    yield said + (f"; {missing} not reduced" if missing else "")
     if pages and (page := results / "index.html").is_file():
         yield f"Open {page}"
 

@@ -27,8 +27,8 @@ _MAY_BE_ABSENT = ("rates",)
 RUN_COLUMNS = ("campaign", "run_id", "label")
 FAILED_COLUMNS = ("campaign", "run_id", "stage", "reason")
 
-#: Logs of a run, in the order in which the stages write them.
-_LOGS = ("manifest", "ingest", "calibrate", "project", "remove_earth", "fit", "drift")
+#: Logs of a run, in the order in which jobs write them; of a capture, where it is simulated.
+_LOGS = ("capture", "manifest", "ingest", "calibrate", "project", "remove_earth", "fit", "drift")
 _LONGEST_REASON = 500
 #: Lines of a log that begin so are said beside results, and are no reason why there are none.
 RED_FLAG, WARNING = "red flag: ", "warning: "

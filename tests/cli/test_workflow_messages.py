@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fogreduce.cli.workflow_messages import Messages, choose_messages, failed_lines, result_lines
+from fogreduce.cli.workflow_messages import FailedJob, Messages, choose_messages, failed_lines, result_lines
 
 
 class Event(Enum):
@@ -86,4 +86,14 @@ def test_the_end_of_runs_of_which_none_was_asked_for(tmp_path: Path) -> None:
     (tmp_path / "lab/a/tables/drift.csv").write_text("axis\n")
     assert list(result_lines(tmp_path, [("lab", "a"), ("lab", "b")], pages=False)) == [
         "2 runs: 1 reduced; 1 not reduced"
+    ]
+
+
+def test_a_run_with_a_failed_job_is_not_counted_as_reduced(tmp_path: Path) -> None:
+    for run in ("a", "b"):
+        (tmp_path / f"lab/{run}/tables").mkdir(parents=True)
+        (tmp_path / f"lab/{run}/tables/drift.csv").write_text("axis\n")
+    failed = [FailedJob("manifest", f"{tmp_path}/lab/b/logs/manifest.log")]
+    assert list(result_lines(tmp_path, [("lab", "a"), ("lab", "b")], failed, pages=False)) == [
+        "2 runs: 1 reduced; 1 not made anew, with results of before"
     ]

@@ -22,8 +22,12 @@ from snakemake.logging import logger
 
 def say_result():
     """How many runs are reduced, flagged and failed, and the page to open."""
-    for line in result_lines(Path(RESULTS), RUNS, pages=CONFIG.pages.enabled):
+    for line in result_lines(
+        Path(RESULTS), RUNS, MESSAGES.failed, pages=CONFIG.pages.enabled
+    ):
         print(line, file=sys.stderr)
+    if "archive" in workflow.dag_settings.targets and not MESSAGES.failed:
+        print(f"Bags in {RESULTS}/_archive", file=sys.stderr)
 
 
 #: What Snakemake says goes to its log whole; a terminal sees how far it is.
