@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.calibrate.swings import swing_in
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.flags import UNUSABLE_RECORD
 from fogreduce.datasets.logs import TemperatureLog
@@ -22,6 +23,7 @@ from fogreduce.datasets.run_logs import temperatures_of
 from fogreduce.effects.at import slope_around
 from fogreduce.errors import BadInput
 from fogreduce.estimate.bins import Bins, bins_of
+from fogreduce.estimate.swing import Swing
 from fogreduce.estimate.uncertainty import StatedErrors, axis_rates, motion_departures
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.config import ReductionConfig
@@ -101,16 +103,42 @@ class Readings:
 def read_campaign(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> list[Readings]:
     """The runs of a campaign, all of one unit and one calibration record.
 
+    Runs that swing and hold no bin at a constant rate are left out.
+
     Raises
     ------
     BadInput
-        With every fault of the runs; runs of several records.
+        With every fault of the runs; runs of several records; no run at a constant rate.
     """
-    return runs_of_one_record(campaign, calibrations, only, read_run)
+    found = runs_of_one_record(campaign, calibrations, only, _unless_it_swings)
+    readings = [one for one in found if one is not None]
+    if not readings:
+        expected = "a run at constant rates beside them"
+        raise BadInput.at(campaign, "runs", found="only runs that swing", expected=expected)
+    return readings
 
 
-def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
-    """One run in bins."""
+def _unless_it_swings(folder: Path, run: Run, record: CalibrationRecord) -> Readings | None:
+    """One run in bins; None where it swings throughout."""
+    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    swing = swing_in(folder, run, facts)
+    if swing is not None:
+        middle = middles(facts)
+        bin_s = records_in_bin(facts) / facts.sample_rate_hz
+        _, inside = whole_bins(facts, middle, bin_s, ReductionConfig().edge_guard_s)
+        if not (inside & ~swing.covers(middle)).any():
+            return None
+    return read_run(folder, run, record, swing)
+
+
+def middles(facts: RunFacts) -> Array:
+    """Middles [s] of the bins of a whole run."""
+    bin_s = records_in_bin(facts) / facts.sample_rate_hz
+    return bin_s * (np.arange(int(facts.profile.end_s / bin_s), dtype=np.float64) + 0.5)
+
+
+def read_run(folder: Path, run: Run, record: CalibrationRecord, swing: Swing | None = None) -> Readings:
+    """One run in bins; what lies within a swing counts in none."""
     facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
     path = folder / run.capture.file
     reader = open_capture(path, run.capture.model_dump(mode="json"), facts.start_us)
@@ -129,6 +157,9 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord) -> Readings:
         left = raw - facts.scale_factor[:, None] * (facts.axes @ motion)
         values = np.vstack((left, raw, motion, motion_departures(facts, stated, time_s).reshape(9, -1)))
         usable = _usable(block.flag, block.gyro_flag, len(values))
+        if swing is not None:
+            steady = np.broadcast_to(~swing.covers(time_s), values.shape)
+            usable = steady if usable is None else usable & steady
         square, number = _steps(left, None if usable is None else usable[: facts.n_gyros])
         step_square, steps = step_square + square, steps + number
         parts.append(bins_of(time_s, values, usable, size))

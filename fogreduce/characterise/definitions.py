@@ -139,7 +139,12 @@ DEFINITIONS = {
         "band about its end value",
         "IEEE 952",
     ),
-    "bandwidth": Definition("Bandwidth", "frequency at which the response falls by 3 dB", "IEEE 952"),
+    "bandwidth": Definition(
+        "Bandwidth",
+        "frequency at which the response falls by 3 dB: 1 / (2 pi tau), tau the time constant of one pole "
+        "fitted, with delay, scale factor and bias, to the samples of a swing",
+        "IEEE 528, 952",
+    ),
 }
 
 

@@ -58,11 +58,16 @@ def read_limits(path: Path | None) -> Limits | None:
     return None if path is None else Limits.from_yaml(path)
 
 
-def verdict(quantity: Quantity, limits: Limits) -> tuple[str, float] | None:
-    """Verdict and probability of conformance; None where no limit is set, or nothing is determined."""
+def verdict(quantity: Quantity, limits: Limits) -> tuple[str, float | None] | None:
+    """Verdict and probability of conformance; None where no limit is set, or nothing is determined.
+
+    A lower bound passes where it lies at a least value or above, and has no probability.
+    """
     limit = limits.limits.get(quantity.name)
-    if limit is None or quantity.value is None or quantity.low is None or quantity.high is None:
+    if limit is None or quantity.value is None or quantity.low is None:
         return None
+    if quantity.high is None:
+        return _of_bound(quantity.low, limit), None
     value, low, high = quantity.value, quantity.low, quantity.high
     if limit.absolute and value < 0:
         value, low, high = -value, -high, -low
@@ -76,3 +81,10 @@ def verdict(quantity: Quantity, limits: Limits) -> tuple[str, float] | None:
     if value + above < least or value - below > most:
         return FAIL, probability
     return OPEN, probability
+
+
+def _of_bound(bound: float, limit: Limit) -> str:
+    """The verdict on a quantity of which a lower bound is known."""
+    if limit.max is not None:
+        return FAIL if bound > limit.max else OPEN
+    return PASS if limit.min is not None and bound >= limit.min else OPEN

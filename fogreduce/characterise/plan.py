@@ -2,9 +2,9 @@
 
 Staircases up and down about x, y and z on three days (scale factor and all that belongs to it), standstills
 in six attitudes (bias, acceleration), turns both ways about x, y and z while the unit warms (scale factor
-against temperature), one long standstill from power-on (warm-up, stability, temperature). The uncertainties
-are those that the report's own code finds for one campaign drawn from the record: bins of every run with
-its noise and turn-on biases.
+against temperature), one long standstill from power-on (warm-up, stability, temperature), swings about x, y
+and z (bandwidth). The uncertainties are those that the report's own code finds for one campaign drawn from
+the record: bins of every run with its noise and turn-on biases, and the samples of a swing.
 """
 
 from __future__ import annotations
@@ -18,16 +18,20 @@ from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import derive_from
 from fogreduce.calibrate.noise import GyroNoise, covariance
-from fogreduce.calibrate.readings import Readings, records_in_bin, whole_bins
+from fogreduce.calibrate.readings import Readings, middles, records_in_bin, whole_bins
+from fogreduce.calibrate.swings import SwingRun
+from fogreduce.characterise.bandwidth import LEAST_SAMPLES, swung_gyros
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.quantities import quantities_of
 from fogreduce.characterise.quantity import Quantity
 from fogreduce.constants import EARTH_RATE_DEG_S, SECONDS_PER_HOUR
+from fogreduce.estimate.swing import LONGEST_S, swing_of
 from fogreduce.estimate.uncertainty import StatedErrors, axis_rates, motion_departures
 from fogreduce.metadata.calibration import CalibrationRecord
 from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.run import Run
+from fogreduce.physics.low_pass import bandwidth_hz, of_steps
 from fogreduce.physics.noise import white_sigma
 
 Array = NDArray[np.float64]
@@ -39,6 +43,9 @@ _STEP_S, _STILL_S, _WARM_S, _LONG_S = 60.0, 300.0, 450.0, 4 * SECONDS_PER_HOUR
 #: Small rates for threshold and dead band, beyond what cancels Earth's vertical part [deg/h].
 _SMALL_DEG_H = (10.0, 3.0)
 _DAYS = 3
+#: A swing: its largest rate [deg/s], which a table of 1000 deg/s^2 turns round in 10 ms, how long each rate
+#: holds at least [s], and how many times.
+_SWING_DEG_S, _SWING_HALF_S, _SWING_CHANGES = 5.0, 0.25, 120
 _COLD = "from power-on, cold"
 _PAUSE = timedelta(minutes=30)
 #: Temperature of a run from power-on, as it is taken to warm up: rise [degC] and time constant [s].
@@ -98,6 +105,13 @@ def planned_runs(pattern: Mapping[str, Any], largest_deg_s: float) -> dict[str, 
         turns = [(sense * largest_deg_s, _WARM_S) for sense in (1, -1, 1, -1)]
         add(f"warm-{axis}", axis, "up", turns, notes)
     add("long", "z", "up", [(0.0, _LONG_S)], notes)
+    half_s = max(_SWING_HALF_S, 2 * LEAST_SAMPLES / float(pattern["capture"]["sample_rate_hz"]))
+    if half_s <= LONGEST_S:
+        rate = min(largest_deg_s, _SWING_DEG_S)
+        swing = [(rate * (-1) ** k, half_s) for k in range(_SWING_CHANGES)]
+        notes = "log the encoder at 100 Hz and more, and add `table_log: table.csv`"
+        for axis in "xyz":
+            add(f"swing-{axis}", axis, "up", swing, notes)
     return runs
 
 
@@ -110,7 +124,30 @@ def expected_quantities(
     runs: list[Run], record: CalibrationRecord, choices: Definitions, generator: np.random.Generator
 ) -> list[Quantity]:
     """The quantities of one campaign drawn from the record."""
-    return quantities_of(derive_from([drawn_readings(run, record, generator) for run in runs]), choices)
+    steady, swings = [], []
+    for run in runs:
+        swing = drawn_swing(run, record, generator)
+        if swing is None:
+            steady.append(drawn_readings(run, record, generator))
+        else:
+            swings.append(swing)
+    return quantities_of(derive_from(steady), choices, *swung_gyros(swings))
+
+
+def drawn_swing(run: Run, record: CalibrationRecord, generator: np.random.Generator) -> SwingRun | None:
+    """A swing's samples: a pole at half the Nyquist frequency, white noise as stated; None if it is none."""
+    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    swing = swing_of(facts.profile, None)
+    if swing is None:
+        return None
+    time_s = np.arange(round(facts.profile.end_s * facts.sample_rate_hz)) / facts.sample_rate_hz
+    edge, rate = swing.steps.edge_s, swing.steps.rate_deg_s
+    turned = of_steps(edge, rate, bandwidth_hz(facts.sample_rate_hz / 4), time_s)
+    stated = np.array(record.stated_noise.angle_random_walk_deg_sqrt_h)
+    white: Array = np.asarray(white_sigma(stated, facts.sample_rate_hz))
+    read = np.outer(facts.axes @ facts.commanded_signs, turned)
+    read += white[:, None] * generator.standard_normal(read.shape)
+    return SwingRun(run, record, facts, swing, time_s, read)
 
 
 def drawn_readings(run: Run, record: CalibrationRecord, generator: np.random.Generator) -> Readings:
@@ -129,7 +166,7 @@ def drawn_readings(run: Run, record: CalibrationRecord, generator: np.random.Gen
     facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
     size = records_in_bin(facts)
     bin_s = size / facts.sample_rate_hz
-    middle: Array = bin_s * (np.arange(int(facts.profile.end_s / bin_s), dtype=np.float64) + 0.5)
+    middle = middles(facts)
     segment, inside = whole_bins(facts, middle, bin_s, ReductionConfig().edge_guard_s)
     time_s: Array = middle[inside]
     stated, noise, n = StatedErrors.of(run, record), record.stated_noise, facts.n_gyros

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from fogreduce.calibrate.derive import Derivation, prior_of
 from fogreduce.calibrate.shapes import ACCELERATION, MAGNETIC, Shape, fitted_shapes
+from fogreduce.characterise.bandwidth import Swung, bandwidth_quantity
 from fogreduce.characterise.bias import bias_quantities
 from fogreduce.characterise.definitions import Definitions
 from fogreduce.characterise.noise import noise_quantities
 from fogreduce.characterise.orientation import field_is_stated, orientation_quantities
-from fogreduce.characterise.quantity import Quantity, undetermined
+from fogreduce.characterise.quantity import Quantity
 from fogreduce.characterise.scale_factor import scale_factor_quantities
 from fogreduce.characterise.temperature import temperature_quantities
 
-#: A swing that a table makes is none of the profile's steps of constant rate.
-_SWING = "a table that swings, its encoder logged faster than the gyros' bandwidth; run.yaml has steps only"
 
+def quantities_of(
+    found: Derivation,
+    choices: Definitions,
+    swung: Sequence[Swung] = (),
+    needs: Mapping[int, list[str]] | None = None,
+) -> list[Quantity]:
+    """Every quantity of every gyro, determined or not.
 
-def quantities_of(found: Derivation, choices: Definitions) -> list[Quantity]:
-    """Every quantity of every gyro, determined or not."""
+    Parameters
+    ----------
+    found : Derivation
+    choices : Definitions
+    swung, needs
+        Of the runs that swing, as `fogreduce.characterise.bandwidth.swung_gyros` gives them.
+    """
     shapes = report_shapes(found)
     out: list[Quantity] = []
     for gyro in range(found.readings[0].facts.n_gyros):
@@ -26,7 +39,7 @@ def quantities_of(found: Derivation, choices: Definitions) -> list[Quantity]:
         out += noise_quantities(found, gyro)
         out += orientation_quantities(found, gyro, shapes)
         out += temperature_quantities(found, gyro, shapes, choices)
-        out.append(undetermined("bandwidth", f"gyro{gyro + 1}", "Hz", _SWING))
+        out.append(bandwidth_quantity(gyro, swung, needs or {}))
     return out
 
 

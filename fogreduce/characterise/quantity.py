@@ -28,7 +28,8 @@ class Quantity:
         ``gyro1`` ... or ``unit``; with ``, x`` behind it for a part along an axis.
     unit : str
     value, low, high : float or None
-        Value and 95 % interval; None where the runs do not determine it.
+        Value and 95 % interval; None where the runs do not determine it. A value without `high` is a lower
+        bound (95 %), `low` is the same.
     needs : str
         The runs that would determine it, where it is not determined.
     note : str

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from fogreduce.calibrate.derive import Derivation, derive
+from fogreduce.calibrate.swings import read_swings
 from fogreduce.characterise.axes import same_turns
+from fogreduce.characterise.bandwidth import Swung, response_lines, swung_gyros
 from fogreduce.characterise.definitions import DEFINITIONS, Definitions
 from fogreduce.characterise.left_out import each_left_out
 from fogreduce.characterise.limits import Limits, verdict
@@ -42,16 +44,21 @@ def report(
     """
     found = derive(campaign, calibrations, only)
     facts = found.readings[0].facts
-    quantities = quantities_of(found, choices)
+    swings = read_swings(campaign, calibrations, only)
+    swung, needs = swung_gyros(swings)
+    quantities = quantities_of(found, choices, swung, needs)
+    steady = {one.facts.run_id for one in found.readings}
+    runs = [*found.readings, *(one for one in swings if one.facts.run_id not in steady)]
     return {
         "schema": SCHEMA,
         "campaign": campaign.resolve().name,
         "unit": facts.unit,
         "calibration": found.readings[0].record.record_id,
-        "runs": [_run(one, campaign) for one in found.readings],
+        "runs": [_run(one, campaign) for one in runs],
         "definitions": choices.model_dump(mode="json"),
         "limits": None if limits is None else limits.model_dump(mode="json", exclude_none=True),
         "quantities": [_plain(one, limits) for one in quantities],
+        "response": [line for one in swung for line in _response(one)],
         "left_out": _left_out(found),
         "parity": _parity(found, choices),
         "same_turn": _same_turn(found),
@@ -88,6 +95,22 @@ def _plain(one: Quantity, limits: Limits | None) -> dict[str, Any]:
         "verdict": None if judged is None else judged[0],
         "conformance_probability": None if judged is None else judged[1],
     }
+
+
+def _response(one: Swung) -> list[dict[str, Any]]:
+    """Of a gyro to a swing."""
+    return [
+        {
+            "run": one.run.facts.run_id,
+            "gyro": f"gyro{one.gyro + 1}",
+            "frequency_hz": line.frequency_hz,
+            "gain": line.gain,
+            "gain_std": line.gain_std,
+            "phase_deg": _number(line.phase_deg),
+            "phase_std_deg": _number(line.phase_std_deg),
+        }
+        for line in response_lines(one)
+    ]
 
 
 def _left_out(found: Derivation) -> list[dict[str, Any]]:

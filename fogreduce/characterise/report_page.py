@@ -27,6 +27,7 @@ def report_page(document: rows.Document, in_results: bool = False) -> str:
         "verdict": rows.verdict_line(document),
         "determined": rows.determined(document),
         "open": rows.not_determined(document),
+        "responses": rows.responses(document),
         "left_out": rows.left_out(document),
         "alarms": rows.alarms(document),
         "hours": number(parity["hours"], 3),

@@ -132,6 +132,10 @@ def _quantities(paper: _Paper, document: rows.Document) -> None:
 
 
 def _checks(paper: _Paper, document: rows.Document) -> None:
+    if document["response"]:
+        paper.heading("Response to a swing of the table: gain and phase, ± one standard uncertainty")
+        names = ("run", "gyro", "frequency [Hz]", "gain", "phase [deg]")
+        paper.table(names, (0.25, 0.1, 0.17, 0.24, 0.24), rows.responses(document))
     if document["left_out"]:
         first = document["left_out"][0]
         paper.heading(

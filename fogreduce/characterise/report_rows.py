@@ -138,20 +138,38 @@ def _per_cent(probability: float | None) -> str:
 
 
 def _value(one: Document) -> str:
-    """The value and its error with their unit; of what is not seen, which is 0, the bound."""
+    """The value and its error with their unit; of what is not seen, 0 or beyond what shows, the bound."""
+    if one["high_95"] is None:
+        return f"≥ {number(one['value'], 3)} {one['unit']}"
     if one["value"] == 0 and one["high_95"] > 0:
         return f"≤ {number(one['high_95'], 2)} {one['unit']}".rstrip()
     return plus_minus(one["value"], one["std"], one["unit"])
 
 
-def _interval(low: float, high: float, std: float) -> str:
+def _interval(low: float, high: float | None, std: float | None) -> str:
     """Both ends to the second digit of the uncertainty."""
+    if high is None or std is None:
+        return f"{number(low, 3)} and more"
     if not std > 0:
         return f"{number(low)} to {number(high)}"
     digits = 1 - math.floor(math.log10(std))
     if not 0 <= digits <= 12:
         return f"{number(low, 6)} to {number(high, 6)}"
     return f"{low:.{digits}f} to {high:.{digits}f}".replace("-", "−")
+
+
+def responses(document: Document) -> list[list[str]]:
+    """Run, gyro, frequency, gain, phase of the response to a swing."""
+    return [
+        [
+            one["run"],
+            one["gyro"],
+            number(one["frequency_hz"], 4),
+            plus_minus(one["gain"], one["gain_std"]),
+            "not told" if one["phase_deg"] is None else plus_minus(one["phase_deg"], one["phase_std_deg"]),
+        ]
+        for one in document["response"]
+    ]
 
 
 def joined(values: Sequence[float]) -> str:

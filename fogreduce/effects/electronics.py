@@ -2,52 +2,27 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.effects.at import At
 from fogreduce.effects.design import Departures, Design
 from fogreduce.effects.model import Effect, Numbers, Parameter, Parameters, Stage
+from fogreduce.physics.low_pass import of_samples
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int32]
 
 
 def low_pass(volts: Array, p: Numbers, at: At) -> Array:
-    """First-order filter ``tau y' = v - y``, exact for v straight between samples; settled on v(0) at t = 0.
-
-    ``y[k] = q y[k-1] + (g - q) v[k-1] + (1 - g) v[k]``, q = exp(-dt / tau), g = (1 - q) tau / dt.
-    """
+    """First-order filter ``tau y' = v - y``, exact for v straight between samples; settled at t = 0."""
     tau = p["time_constant_ms"] * 1e-3
     if tau == 0.0:
         return volts
-    x = at.step_s / tau
-    q, g = math.exp(-x), -math.expm1(-x) / x
     state = at.place.state
-    y, before = state.get("low_pass", (volts[0], volts[0]))
-    driven = (1.0 - g) * volts
-    driven[0] += (g - q) * before
-    driven[1:] += (g - q) * volts[:-1]
-    filtered = first_order(driven, q, y)
+    filtered = of_samples(volts, at.step_s, tau, state.get("low_pass"))
     state["low_pass"] = (filtered[-1], volts[-1])
     return filtered
-
-
-def first_order(driven: Array, q: float, start: float) -> Array:
-    """``y[k] = q y[k - 1] + driven[k]``, y[-1] = `start`, without a loop over samples.
-
-    By doubling: after the pass of lag d, each sample holds the sum over its last 2 d drives; passes end when
-    ``q^d`` is nothing beside 1.
-    """
-    y = driven.copy()
-    y[0] += q * start
-    lag, kept = 1, q
-    while lag < len(y) and kept > 1e-20:
-        y[lag:] += kept * y[:-lag].copy()
-        lag, kept = 2 * lag, kept * kept
-    return y
 
 
 def adc_nonlinearity(volts: Array, p: Numbers, at: At) -> Array:

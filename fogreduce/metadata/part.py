@@ -7,7 +7,6 @@ show. What the record states stands.
 from __future__ import annotations
 
 import os
-from math import pi
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -17,6 +16,7 @@ from fogreduce.errors import BadInput
 from fogreduce.metadata.assumed import Assumed
 from fogreduce.metadata.base import Model
 from fogreduce.metadata.calibration import CalibrationRecord, Noise
+from fogreduce.physics.low_pass import bandwidth_hz
 from fogreduce.physics.noise import flicker_allan
 
 #: Parts that come with the package, by name.
@@ -153,6 +153,6 @@ class Part(Model):
                 out[key] = (_SHOWN[0] * figure.sigma, _SHOWN[1] * figure.sigma)
         if self.bandwidth_hz is not None:
             # of a filter of one pole, its time constant [ms]
-            time_constant = 1e3 / (2.0 * pi * self.bandwidth_hz)
+            time_constant = 1e3 * bandwidth_hz(self.bandwidth_hz)
             out["bandwidth_hz"] = (_SHOWN[0] * time_constant, _SHOWN[1] * time_constant)
         return out

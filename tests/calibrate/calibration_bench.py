@@ -76,6 +76,7 @@ class BenchRun:
     started_at: str = "2014-05-12T13:00:00Z"
     #: Of the site, besides its latitude.
     site: Mapping[str, Any] = field(default_factory=dict)
+    sample_rate_hz: float = 16
 
     def metadata(self) -> dict[str, Any]:
         """Its run.yaml."""
@@ -93,7 +94,7 @@ class BenchRun:
             "capture": {
                 "file": "capture.fogcap",
                 "format": "fogcap-1",
-                "sample_rate_hz": 16,
+                "sample_rate_hz": self.sample_rate_hz,
                 "volts_per_count": 1e-7,
                 "polarity": [1, -1, 1, 1],
             },

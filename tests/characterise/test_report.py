@@ -94,16 +94,31 @@ def test_verdicts_are_guard_banded() -> None:
     assert verdict(Quantity("bias", "gyro1", "deg/h", needs="a run"), limits) is None
 
 
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [
+        ({"min": 200.0}, "pass"),
+        ({"min": 300.0}, "not proven"),
+        ({"max": 200.0}, "fail"),
+        ({"max": 300.0}, "not proven"),
+    ],
+)
+def test_a_lower_bound_passes_a_least_value_only(limit, said) -> None:
+    limits = Limits.from_data({"schema": "fogreduce/limits/1", "limits": {"bandwidth": limit}}, "limits.yaml")
+    assert verdict(Quantity("bandwidth", "gyro1", "Hz", 240.0, 240.0), limits) == (said, None)
+
+
 def test_a_plan_validates_and_says_what_it_will_know(bench, tmp_path, capsys) -> None:
     run = bench.simulate([], ("1-xp",)) / "runs" / "1-xp"
     place = ["--calibrations", str(bench.calibrations), "--out", str(tmp_path / "planned")]
     assert main(["plan", str(run), *place]) == 0
     said = capsys.readouterr().out
-    assert "19 runs, 8.2 h" in said
+    assert "22 runs, 8.2 h" in said
     rows = list(csv.DictReader((tmp_path / "planned.expected.csv").open()))
     known = {row["quantity"] for row in rows if row["standard_uncertainty"]}
     assert {"scale_factor", "nonlinearity", "hysteresis", "threshold", "acceleration_sensitivity"} <= known
     assert {"bias_repeatability", "scale_factor_temperature", "asymmetry", "misalignment"} <= known
+    assert "bandwidth" in known
     first = yaml.safe_load((tmp_path / "planned" / "runs" / "01-stairs-x-day1" / "run.yaml").read_text())
     assert first["calibration"] == "UNIT@a"
     assert main(["plan", str(run), *place]) == 2
