@@ -99,11 +99,11 @@ def swing_of(profile: Profile, log: tuple[Array, Array] | None) -> Swing | None:
     if change is None:
         change = None if seen is None else _longest(_alternations(seen, profile))
         return None if seen is None or change is None else Swing(seen, change, True)
-    if seen is not None and float(np.median(np.diff(seen.edge_s))) * FEWEST_ROWS <= np.median(
-        np.diff(change)
-    ):
-        return Swing(seen, change, True)
-    return Swing(commanded, change, False)
+    spans = seen is not None and seen.edge_s[0] <= change[0] and seen.edge_s[-1] >= change[-1]
+    if seen is None or not spans:
+        return Swing(commanded, change, False)
+    fine = FEWEST_ROWS * np.median(np.diff(seen.edge_s)) <= np.median(np.diff(change))
+    return Swing(seen, change, True) if fine else Swing(commanded, change, False)
 
 
 def _longest(change_s: Array) -> Array | None:

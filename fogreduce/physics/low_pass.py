@@ -49,12 +49,15 @@ def first_order(driven: Array, q: Array | float, start: float) -> Array:
     what is kept of a drive d samples ago is nothing beside 1. `q` is one number or one a sample, (N,).
     """
     y = driven.copy()
-    kept = np.broadcast_to(q, y.shape)
-    y[0] += kept[0] * start
+    kept = np.asarray(q)
+    y[0] += kept.flat[0] * start
     lag = 1
-    while lag < len(y) and kept[lag:].max() > 1e-20:
-        y[lag:] += kept[lag:] * y[:-lag].copy()
-        kept = np.concatenate((kept[:lag], kept[lag:] * kept[:-lag]))
+    while lag < len(y):
+        late = kept[lag:] if kept.ndim else kept
+        if late.max() <= 1e-20:
+            break
+        y[lag:] += late * y[:-lag].copy()
+        kept = np.concatenate((kept[:lag], late * kept[:-lag])) if kept.ndim else kept * kept
         lag = 2 * lag
     return y
 

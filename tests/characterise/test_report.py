@@ -113,7 +113,7 @@ def test_a_plan_validates_and_says_what_it_will_know(bench, tmp_path, capsys) ->
     place = ["--calibrations", str(bench.calibrations), "--out", str(tmp_path / "planned")]
     assert main(["plan", str(run), *place]) == 0
     said = capsys.readouterr().out
-    assert "22 runs, 8.2 h" in said
+    assert "22 runs, 8.3 h" in said
     rows = list(csv.DictReader((tmp_path / "planned.expected.csv").open()))
     known = {row["quantity"] for row in rows if row["standard_uncertainty"]}
     assert {"scale_factor", "nonlinearity", "hysteresis", "threshold", "acceleration_sensitivity"} <= known

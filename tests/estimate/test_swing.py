@@ -74,6 +74,15 @@ def test_a_slow_log_leaves_the_command() -> None:
         assert swing.by_encoder == by_encoder
 
 
+def test_a_log_that_ends_within_the_swing_leaves_the_command() -> None:
+    profile = square(80, 0.25)
+    time_s, angle = log_of(profile, 0.01)
+    swing = swing_of(profile, (time_s[:500], angle[:500]))
+    assert swing is not None
+    assert not swing.by_encoder
+    assert swing.change_s.size == 79
+
+
 def test_angles_are_the_integral_of_the_rate() -> None:
     steps = RateSteps.of_profile(square(3, 0.5))
     np.testing.assert_allclose(
