@@ -260,7 +260,9 @@ def _judged(samples: Samples, tau_s: float, delay_s: float) -> OnePole:
         std = float(np.sqrt(variance * inverse[0, 0])) / float(lengths[0])
     gained = _least_squares(samples, _LEAST * step, tau_s + delay_s) - least
     seen = bool(tau_s > 2 * std and gained > _SEEN * variance)
-    bound = None if seen else _bound(samples, tau_s, tau_s + delay_s, least + _ONE_SIDED * variance)
+    # From none on: a delay just short of a sample, at a tiny tau, fits the noise of one sample beside edges.
+    allowed = least + max(gained, 0.0) + _ONE_SIDED * variance
+    bound = None if seen else _bound(samples, tau_s, tau_s + delay_s, allowed)
     return OnePole(tau_s, std, delay_s, scale, bias, seen, bound)
 
 
