@@ -23,11 +23,6 @@ Array = NDArray[np.float64]
 FINE = 2048  # frequencies at which a spectrum is taken: longer than a filter's memory and a piece
 
 
-def drifting(hertz: Array, flicker: Array | float = 0.0, walk: Array | float = 0.0) -> Array:
-    """One-sided density [(deg/h)^2/Hz] of flicker of B [deg/h] and a walk of K [deg/h/sqrt(h)]."""
-    return flicker_density(flicker, hertz) + walk_density(walk, hertz)
-
-
 def filter_gains(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
     """Power (3, taus, F) of white noise of variance 1 after a first-order low pass, as pieces show it.
 
@@ -91,9 +86,14 @@ def _seen_by(length: int, frequency: bytes) -> Array:
 
 
 def shown_drift(rate_hz: float, frequency: Array, flicker: Array | float, walk: Array | float) -> Array:
-    """Power (..., F) [(deg/h)^2] in pieces of flicker B [deg/h] and a walk K [deg/h/sqrt(h)], (...,)."""
+    """Power (..., F) [(deg/h)^2] in pieces of flicker B [deg/h] and a walk K [deg/h/sqrt(h)], (...,).
+
+    A walk goes by steps from sample to sample: its density is that of the walk in continuous time times
+    ``(x / sin x)^2``, ``x = pi f dt``.
+    """
     fine = np.abs(np.fft.fftfreq(FINE)[1:]) * rate_hz
     flicker, walk = np.asarray(flicker)[..., None], np.asarray(walk)[..., None]
-    density = drifting(fine, flicker, walk)
+    steps = np.sinc(fine / rate_hz) ** -2.0
+    density = flicker_density(flicker, fine) + walk_density(walk, fine) * steps
     whole = np.concatenate([np.zeros((*density.shape[:-1], 1)), 0.5 * rate_hz * density], axis=-1)
     return shown_by_pieces(whole, frequency)

@@ -24,7 +24,7 @@ from fogreduce.diagnosis.which.catalogue.unlogged import HOLDS_S, UNLOGGED
 from fogreduce.diagnosis.which.full_rate.spectrum import DRIFTS
 from fogreduce.diagnosis.which.processes.jumps import Record, jumps_add
 from fogreduce.diagnosis.which.processes.shapes import Known, Shapes
-from fogreduce.diagnosis.which.processes.sizes import STEPS, size_logs, whole_evidence
+from fogreduce.diagnosis.which.processes.sizes import size_logs, whole_evidence
 from fogreduce.effects.gyro_names import gyro_name
 
 Array = NDArray[np.float64]
@@ -217,7 +217,7 @@ class Processes:
         a2, logs = size_logs(d, runs, z2)
         k = int(np.argmax(logs))
         size = float(np.sqrt(a2[k]))
-        inside = min(max(k, 1), STEPS - 2)
+        inside = min(max(k, 1), len(a2) - 2)
         h = np.log(a2[1] / a2[0])
         bend = (logs[inside - 1] - 2.0 * logs[inside] + logs[inside + 1]) / h**2
         shift = -(logs[inside + 1] - logs[inside - 1]) / (2.0 * h) / bend if bend < 0.0 else 0.0

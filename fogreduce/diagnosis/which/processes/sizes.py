@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,13 +15,14 @@ from fogreduce.diagnosis.observe.blocks import Blocks
 
 Array = NDArray[np.float64]
 
-_LOWEST, _HIGHEST, STEPS = 1.5, 1e6, 70
+_LOWEST, _HIGHEST, _STEPS = 1.5, 1e6, 70
+_BEYOND = 10.0  # times the squared size that the residual's own power asks for: sizes are tried at least to it
 SOME = 1e-6  # of the largest variance: what is below it is none
 _FEWER = 1e-8  # the same, before noise weighs them
 
 
 def size_logs(d: Array, runs: Array, z2: Array) -> tuple[Array, Array]:
-    """Squared sizes (sizes,) of a process, and ln B of each, (sizes, ...).
+    """Squared sizes (sizes,) of a process, evenly spaced in their logarithm, and ln B of each, (sizes, ...).
 
     Parameters
     ----------
@@ -33,7 +35,10 @@ def size_logs(d: Array, runs: Array, z2: Array) -> tuple[Array, Array]:
     """
     # sizes from where the process would hardly show to where it drowns everything
     order = 1.0 / max(float(np.sqrt(np.sum(runs * d**2))), 1e-300)
-    a2 = order * np.geomspace(_LOWEST, _LOWEST * _HIGHEST, STEPS)
+    ratio = _HIGHEST ** (1.0 / (_STEPS - 1))
+    asked = _BEYOND * float(np.max(np.sum(z2, axis=0))) / max(order * float(runs @ d), 1e-300)
+    further = max(math.ceil(math.log(max(asked / (_LOWEST * _HIGHEST), 1.0), ratio)), 0)
+    a2 = order * _LOWEST * ratio ** np.arange(_STEPS + further)
     grown = a2[:, None] * d
     none = (np.log1p(grown) @ runs).reshape(-1, *(1,) * (z2.ndim - 1))
     return a2, np.asarray(0.5 * ((grown / (1.0 + grown)) @ z2 - none))
