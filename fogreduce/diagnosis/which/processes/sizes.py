@@ -16,7 +16,8 @@ from fogreduce.diagnosis.observe.blocks import Blocks
 Array = NDArray[np.float64]
 
 _LOWEST, _HIGHEST, _STEPS = 1.5, 1e6, 70
-_BEYOND = 10.0  # times the squared size that the residual's own power asks for: sizes are tried at least to it
+#: Times the squared size that the residual's own power asks for: sizes are tried at least to it.
+_BEYOND = 10.0
 SOME = 1e-6  # of the largest variance: what is below it is none
 _FEWER = 1e-8  # the same, before noise weighs them
 
