@@ -18,7 +18,7 @@ from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.ground import Ground
 from fogreduce.diagnosis.inference.search import Search
-from fogreduce.diagnosis.inference.slow import SlowPosterior, slow_posterior
+from fogreduce.diagnosis.inference.slow import Begun, SlowPosterior, begun, completed, slow_posterior
 from fogreduce.effects.table import EFFECTS
 
 _MOST = 8  # processes: a bound on a loop that ends by itself
@@ -30,7 +30,13 @@ _SEVERAL = 2
 
 def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
     """The best sets of causes, with as many random processes in the noise as pay."""
-    here = slow_posterior(search, _ground(search, given), given)
+    first = begun(search, _ground(search, given), given)
+    outright = _outright(search, first)
+    if outright is None:
+        here = completed(search, first)
+    else:
+        causes = [*first.given, Cause.of_finding(outright)]
+        here = slow_posterior(search, _ground(search, causes), causes)
     tried: set[tuple[object, ...]] = set()
     for _ in range(_MOST):
         best = _most_likely(search, here, tried)
@@ -44,6 +50,21 @@ def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
         elif there.unclosed:
             break  # what is gross there is no process either
     return here
+
+
+def _outright(search: Search, first: Begun) -> Finding | None:
+    """A process so much more likely than the best set of causes that no finer fit of that can make up for it:
+    by more than all that the set gains; None if there is none.
+    """
+    if first.unclosed or not first.best.members:
+        return None
+    taken = {c.key for c in first.given}
+    found = first.about.ground.processes.findings(first.state.field, search.allowed)
+    found = [f for f in found if f.known and f.key not in taken and _believed(f)]
+    best = max(found, key=lambda f: f.log_b + process_price(f), default=None)
+    if best is None or best.log_b + process_price(best) < first.best.score + first.closes:
+        return None
+    return best
 
 
 def process_price(finding: Finding) -> float:

@@ -92,6 +92,35 @@ class _About:
     members: tuple[Member, ...]
 
 
+@dataclass(frozen=True)
+class Begun:
+    """A first search, linear about what is given: nothing of its set is simulated yet.
+
+    Attributes
+    ----------
+    state : State
+        What is given and what is gross, fitted.
+    given : tuple of Cause
+    unclosed : tuple of int
+    sets, best : SetSearch, CauseSet
+    about : what sets were searched in
+    """
+
+    state: State
+    given: tuple[Cause, ...]
+    unclosed: tuple[int, ...]
+    sets: SetSearch
+    best: CauseSet
+    about: _About
+
+    @property
+    def closes(self) -> float:
+        """Ln likelihood that the best set gains."""
+        about = self.about
+        left = Field.of(*_free(about.library.columns, about.metric, about.y, self.sets, self.best))
+        return 0.5 * (Field.of(about.metric, about.y).chi2 - left.chi2)
+
+
 def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) -> SlowPosterior:
     """Search sets of causes beside some that are given.
 
@@ -103,6 +132,11 @@ def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) 
     given : causes
         In every set: what the full rate has named, and processes.
     """
+    return completed(search, begun(search, ground, given))
+
+
+def begun(search: Search, ground: Ground, given: Sequence[Cause] = ()) -> Begun:
+    """The first search, of `slow_posterior`."""
     first = gross(search, search.state(given, ground, refine=False))
     given, state = [*given, *first.settled], first.state
     about = _about(search, state, first.others)
@@ -114,6 +148,12 @@ def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) 
         ground = search.ground_of(_base(state), times)
         about = _about(search, search.state(given, ground, refine=False), (), unclosed)
     sets, best = _searched(about)
+    return Begun(state, tuple(given), unclosed, sets, best, about)
+
+
+def completed(search: Search, first: Begun) -> SlowPosterior:
+    """The search, linear about the set that was found on the simulator, until that is the same."""
+    state, given, sets, best, about = first.state, first.given, first.sets, first.best, first.about
     for _ in range(_ROUNDS):
         entries = sets.entries(best.members)
         if not entries:
@@ -126,7 +166,7 @@ def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) 
     if sets.entries(best.members) != {*_entries_of(sets, state.causes)}:
         state = _simulated(search, sets, best, given, about)
     columns = about.library.columns
-    return SlowPosterior(sets, best, state, tuple(given), about.metric, about.y, columns, unclosed)
+    return SlowPosterior(sets, best, state, given, about.metric, about.y, columns, first.unclosed)
 
 
 def _simulated(
