@@ -150,9 +150,11 @@ def borne_out(verdict: Verdict, closure: Closure, remainder: Remainder) -> Verdi
     reach = priors.CLOSED
     if remainder.significant:
         reach = max(reach, 1.0 - max(priors.DEPARTURE**2, closure.departed))
-    if closure.fraction + 1.96 * closure.std >= reach and not remainder.further:
-        return replace(verdict, word="explained")
     short = (reach - closure.fraction) / max(closure.std, 1e-9)
+    if short <= 1.96 and not remainder.further:
+        # what passed for unknown in the search is the causes' own, unless they fall short all the same
+        unknown = min(verdict.unknown_probability, 0.5, _chance(-short))
+        return replace(verdict, word="explained", unknown_probability=unknown)
     unknown = max(verdict.unknown_probability, 1.0 - _chance(short))
     if remainder.further:
         sigma = max(p.sigma for p in remainder.further)

@@ -108,7 +108,7 @@ def _levels(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
         return next(f for f in found if f.effect == "angle_random_walk")
 
     def slower(tau_ms: float) -> Finding:
-        gain = levels.low_passes(np.array([tau_ms]))[0, 0]
+        gain = levels.low_passes(np.array([tau_ms]), 0)[0, 0]
         found = level_findings(_with(levels, levels.ratio * gain), 0, filtered, flat, False)
         return next(f for f in found if f.effect == "low_pass")
 

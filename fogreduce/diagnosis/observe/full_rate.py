@@ -1,7 +1,8 @@
 """Statistics of one run's full-rate stream: what block means cannot show.
 
 Lines are taken out of it before (`which.full_rate.lines`). Spectra are taken over short pieces, each less its
-straight line, so that what is slow does not leak into them.
+straight line and tapered to nothing at its ends, so that neither what is slow nor the strong lines of a steep
+spectrum leak into all others at once: each line scatters by itself.
 Samples that are missing or spurious are replaced by others of the same second: that keeps the noise white.
 """
 
@@ -49,8 +50,8 @@ class FullRate:
         How many counts end in at least m zero bits.
     at_rest : (n,) array of bool
         Whether the gyro's noise has all but gone: a converter at its rail.
-    pieces : int
-        Of the averaged spectrum.
+    pieces : float
+        Of the averaged spectrum: as many as pieces side by side, untapered, say as much of white noise.
     frequency : (F,) array
         Its lines as fractions of the sample rate, above 0.
     power : (n, F) array
@@ -73,7 +74,7 @@ class FullRate:
     scatter: Array
     ends: Array
     at_rest: NDArray[np.bool_]
-    pieces: int
+    pieces: float
     frequency: Array
     power: Array
     cross: Array
@@ -92,7 +93,7 @@ def full_rate(samples: Samples, facts: RunFacts, generator: np.random.Generator)
     """
     good = np.isfinite(samples.residual)
     filled = _filled(samples.residual, good, generator)
-    pieces, frequency, power, cross = _spectrum(filled, facts.sample_rate_hz)
+    pieces, frequency, power, cross = averaged_spectrum(filled, facts.sample_rate_hz)
     pairs, repeats, scatter = _repeats(samples.counts, good)
     stated = np.ones(len(good)) if facts.white_noise is None else facts.white_noise
     nominal = stated * 60.0 * np.sqrt(facts.sample_rate_hz)
@@ -139,35 +140,76 @@ def _filled(residual: Array, good: NDArray[np.bool_], generator: np.random.Gener
 def straightened(values: Array) -> Array:
     """Values (..., N) less the straight line that fits them best along the last axis."""
     t = np.arange(values.shape[-1]) - (values.shape[-1] - 1) / 2.0
-    cut = values - values.mean(axis=-1, keepdims=True)
+    cut = values - values[..., :1]  # what does not change is nothing, to the last bit
+    cut -= cut.mean(axis=-1, keepdims=True)
     cut -= (cut @ t / (t @ t))[..., None] * t
     return cut
 
 
-def _spectrum(filled: Array, rate_hz: float) -> tuple[int, Array, Array, Array]:
+def taper(length: int) -> Array:
+    """What a piece's samples (length,) are multiplied by: half a sine, of mean square 1.
+
+    Of all tapers the one of least bias (Riedel and Sidorenko 1995, IEEE Trans. Signal Process. 43, 188, the
+    first of their sine tapers). Its squares, of pieces that overlap by half, add up to a constant: all
+    samples count alike but those at a run's two ends.
+    """
+    result: Array = np.sqrt(2.0) * np.sin(np.pi * (np.arange(length) + 0.5) / length)
+    return result
+
+
+def averaged_spectrum(filled: Array, rate_hz: float) -> tuple[float, Array, Array, Array]:
+    """Averaged spectrum of samples (n, N) [deg/h] of a run, in pieces that overlap by half.
+
+    Returns
+    -------
+    pieces, frequency, power, cross : as `FullRate` has them
+        None, and empty, where a run is too short.
+    """
     n, size = filled.shape
     slow = rate_hz < SLOWEST_HZ
     length = _SLOW_PIECE if slow else min(PIECE, size // 4)
+    length -= length % 2
     if length < 16 or (slow and size < _SLOW_PIECES * length):
-        return 0, np.zeros(0), np.zeros((n, 0)), np.zeros((0, n, n))
-    pieces = size // length
-    cut = straightened(filled[:, : pieces * length].reshape(n, pieces, length))
+        return 0.0, np.zeros(0), np.zeros((n, 0)), np.zeros((0, n, n))
+    window = taper(length)
+    cut = straightened(np.lib.stride_tricks.sliding_window_view(filled, length, axis=1)[:, :: length // 2])
     first = length // 4 if slow else min(FIRST_LINE, length // 8)
-    lines = np.fft.rfft(cut, axis=2)[:, :, first:-1]
+    lines = np.fft.rfft(cut * window, axis=2)[:, :, first:-1]
     parts = np.stack([lines.real, lines.imag], axis=1) / np.sqrt(length)  # (n, 2, pieces, F)
     # a piece with an edge of the profile that came late, or with a glitch, is no noise
-    strength = np.mean(np.sum(parts**2, axis=1), axis=2)
-    usual = np.median(strength, axis=1, keepdims=True)
-    calm = np.all(strength <= _CALM * usual, axis=0)
-    if 4 <= calm.sum() < pieces:
-        parts, pieces = parts[:, :, calm], int(calm.sum())
+    strength = np.sum(parts**2, axis=1)
+    usual = np.median(
+        strength, axis=1, keepdims=True
+    )  # of each line: where few are strong, chance rules them
+    strength = np.mean(strength / np.maximum(usual, 1e-300), axis=2)
+    calm = np.all(strength <= _CALM * np.median(strength, axis=1, keepdims=True), axis=0)
+    if calm.sum() < 4:
+        calm[:] = True
+    parts, pieces = parts[:, :, calm], int(calm.sum())
     cross = np.empty((parts.shape[3], n, n))
     for i in range(n):
         for j in range(i + 1):
             cross[:, i, j] = cross[:, j, i] = np.sum(parts[i] * parts[j], axis=(0, 1)) / pieces
     power: Array = np.diagonal(cross, axis1=1, axis2=2).T.copy()
     frequency = np.asarray(np.fft.rfftfreq(length)[first:-1], np.float64)
-    return pieces, frequency, power, cross
+    return _side_by_side(calm, window), frequency, power, cross
+
+
+def _side_by_side(calm: NDArray[np.bool_], window: Array) -> float:
+    """How many pieces side by side, untapered, tell white noise's level as well as these that overlap.
+
+    Parameters
+    ----------
+    calm : (pieces,) array of bool
+        Which of them are averaged.
+    window : (length,) array
+        Their taper. A sample counts as often as the squares over it add up to.
+    """
+    half = len(window) // 2
+    weight = np.zeros((len(calm) + 1, half))
+    weight[:-1] += calm[:, None] * window[:half] ** 2
+    weight[1:] += calm[:, None] * window[half:] ** 2
+    return float(weight.sum() ** 2 / np.sum(weight**2)) / len(window)
 
 
 def _low_level(power: Array) -> Array:
@@ -182,7 +224,11 @@ def _repeats(counts: NDArray[np.int64], good: NDArray[np.bool_]) -> tuple[Array,
     scatter = np.zeros(len(counts))
     for i, row in enumerate(steps):
         other = row[both[i] & ~same[i]]
-        scatter[i] = NORMAL * float(np.median(other)) if other.size else 0.0
+        if other.size:
+            # a step of m counts stands for any between m - 1/2 and m + 1/2: the median of grouped numbers
+            middle = float(np.floor(np.median(other)))
+            below, there = np.count_nonzero(other < middle), np.count_nonzero(other == middle)
+            scatter[i] = NORMAL * (middle - 0.5 + (0.5 * other.size - below) / max(there, 1))
     return both.sum(axis=1).astype(float), same.sum(axis=1).astype(float), scatter
 
 

@@ -24,13 +24,13 @@ class _Caused:
     causes = ("one",)
 
 
-def judged(word: str, fraction: float, std: float, *further: Place) -> Verdict:
+def judged(word: str, fraction: float, std: float, *further: Place, unknown: float = 0.02) -> Verdict:
     """A verdict of one cause, tested with a closure of `fraction` +- `std` and what is left further."""
     gap, expected = 10000.0, 100.0
     after = expected + (1.0 - fraction) * gap
     closure = Closure("", "", expected + gap, after, expected, std)
     remainder = Remainder(0.5 if not further else 1e-6, further, further)
-    return borne_out(Verdict(word, 1.0, 0.02, _Caused(), [], ()), closure, remainder)  # type: ignore[arg-type]
+    return borne_out(Verdict(word, 1.0, unknown, _Caused(), [], ()), closure, remainder)  # type: ignore[arg-type]
 
 
 def test_explained_is_said_only_of_what_closes_and_leaves_nothing() -> None:
@@ -41,6 +41,13 @@ def test_explained_is_said_only_of_what_closes_and_leaves_nothing() -> None:
     left = judged("explained", 1.0, 0.01, place)
     assert left.word == "partly_explained"
     assert left.unknown_probability > 0.99
+
+
+def test_what_is_explained_is_not_unknown() -> None:
+    assert judged("partly_explained", 1.0, 0.01, unknown=1.0).unknown_probability < 0.01
+    # the lower end of what may be called explained: an even chance, no more
+    assert judged("partly_explained", 0.96, 0.01, unknown=1.0).unknown_probability == 0.5
+    assert judged("explained", 1.0, 0.01, unknown=1e-4).unknown_probability <= 1e-4
 
 
 def test_what_is_left_and_is_no_noise_must_be_as_little_as_departures_of_shape_leave() -> None:

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from fogreduce.diagnosis.inference.evidence import log_mean_exp
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.observe.full_rate import MOST_BITS, FullRate
+from fogreduce.diagnosis.observe.full_rate import MOST_BITS, NORMAL, FullRate
 from fogreduce.effects.gyro_names import gyro_name
 
 Array = NDArray[np.float64]
@@ -124,7 +125,11 @@ def _equal(scatter: float, noise: float) -> float:
 
     A filter makes neighbours alike; where steps are coarse, their scatter is known by the noise alone.
     """
-    between = scatter if scatter > _MANY_STEPS else np.sqrt(2.0) * noise
+    between = np.sqrt(2.0) * noise
+    if scatter > _MANY_STEPS:
+        # the scatter is told from the median of the differences that are not 0
+        equal = 1.0 / (scatter * np.sqrt(2.0 * np.pi))
+        between = scatter / NORMAL / float(ndtri(0.75 + 0.25 * equal))
     return float(min(1.0 / (between * np.sqrt(2.0 * np.pi)), 0.5))
 
 

@@ -1,6 +1,7 @@
-"""What short pieces of a stream, each less its straight line, show of a process: their averaged spectrum.
+"""What short pieces of a stream, each less its straight line and tapered, show of a process: their averaged
+spectrum.
 
-A piece's edges let strong lines leak into weak ones; what is expected has that in it, as the captures have.
+A piece's length lets strong lines leak into weak ones; what is expected has that in it, as the captures have.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.observe.full_rate import PIECE, straightened
+from fogreduce.diagnosis.observe.full_rate import PIECE, straightened, taper
 from fogreduce.effects.at import At, Place
 from fogreduce.effects.electronics import low_pass
 from fogreduce.physics.noise import flicker_density, walk_density
@@ -31,7 +32,7 @@ def filter_gains(tau_ms: Array, rate_hz: float, frequency: Array) -> Array:
     ``y[k] = q y[k-1] + (1 - q) v[k]``, ``q = exp(-dt / tau)``; and one of noise white in continuous time,
     sampled after it, whose correlation is ``q^|k|`` as well, at the level ``(x / 2) coth(x / 2)``,
     ``x = dt / tau``, of what folds back (Astrom and Wittenmark, Computer-Controlled Systems, 1997, ch. 10).
-    A piece's edges let the strong low lines leak into the weak high ones: that is in it.
+    What leaks from a piece's strong low lines into its weak high ones is in it.
 
     Parameters
     ----------
@@ -78,8 +79,8 @@ def _responses(tau_ms: bytes, rate_hz: float) -> Array:
 def _seen_by(length: int, frequency: bytes) -> Array:
     """How much of each of FINE even frequencies a line of a piece's spectrum shows, (F, FINE)."""
     lines = np.frombuffer(frequency, np.float64)
-    waves = np.exp(-2j * np.pi * np.outer(lines, np.arange(length)))
-    # a line of the piece less its straight line is the piece times the wave less its own
+    waves = taper(length) * np.exp(-2j * np.pi * np.outer(lines, np.arange(length)))
+    # a line of the piece less its straight line is the piece times the tapered wave less its own
     windows = straightened(waves.real) + 1j * straightened(waves.imag)
     result: Array = np.abs(np.fft.fft(windows.conj(), FINE)) ** 2 / (length * FINE)
     return result

@@ -85,20 +85,24 @@ class Levels:
         return out
 
     def low_passed(self, tau_ms: float, i: int) -> Array:
-        """Power gain (F,) of the low pass of that time constant that the spectrum of gyro i speaks for."""
+        """Shape (F,) that the low pass of that time constant for which gyro i's spectrum speaks gives it."""
         keep = self.keep[i] & (self.pieces[i] > 0.0)
-        gains = self.low_passes(np.array([tau_ms]))
+        gains = self.low_passes(np.array([tau_ms]), i)
         logs = filter_logs(self.ratio[i, keep], self.pieces[i, keep], gains[..., keep], LEVEL_DOUBT)
         result: Array = gains[int(np.argmax(logs)), 0]
         return result
 
-    def low_passes(self, taus_ms: Array) -> Array:
-        """Power gains (3, taus, F) of low passes of each time constant, of each kind (`filter_gains`)."""
+    def low_passes(self, taus_ms: Array, i: int) -> Array:
+        """Shapes (3, taus, F) that low passes of each time constant, of each kind (`filter_gains`), give the
+        spectrum of gyro i: its converter's rounding comes after them.
+        """
         gains = np.empty((3, len(taus_ms), len(self.frequency)))
         for rate in np.unique(self.rate_hz).tolist():
             lines = self.frequency[self.rate_hz == rate]
             gains[..., self.rate_hz == rate] = filter_gains(taus_ms, rate, lines)
-        return gains
+        rounded = self.rounding[i] / self.expected[i]
+        result: Array = rounded + (1.0 - rounded) * gains
+        return result
 
     def white_level(self, mean: float, i: int, which: NDArray[np.bool_]) -> float:
         """N [deg/sqrt(h)] of gyro i whose power in some lines is `mean` times the expected one.
@@ -333,7 +337,7 @@ def level_findings(
             add("unknown", anything, level_snr2, {}, "white", "noise")
     if not filtered:
         log_z, top, tau, std = filter_evidence(
-            ratio, pieces, lambda taus: lv.low_passes(taus)[..., keep], float(null_spread[0]), nothing
+            ratio, pieces, lambda taus: lv.low_passes(taus, i)[..., keep], float(null_spread[0]), nothing
         )
         snr2 = 2.0 * max(top - nothing, 0.0)
         if "low_pass" in allowed:

@@ -16,7 +16,8 @@ FREQUENCY = np.fft.rfftfreq(PIECE)[FIRST_LINE:-1]
 def shown(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """Averaged spectrum of a stream's pieces: white noise of variance s^2 has s^2 in every line."""
     cut = straightened(samples[: PIECES * PIECE].reshape(PIECES, PIECE))
-    lines = np.fft.rfft(cut, axis=1)[:, FIRST_LINE:-1]
+    window = np.sqrt(2.0) * np.sin(np.pi * (np.arange(PIECE) + 0.5) / PIECE)
+    lines = np.fft.rfft(cut * window, axis=1)[:, FIRST_LINE:-1]
     return np.mean(np.abs(lines) ** 2, axis=0) / PIECE
 
 
