@@ -21,7 +21,6 @@ RECORD = {
 }
 
 _RUN = {
-    "schema": "fogreduce/run/1",
     "unit": UNIT,
     "started_at": "2014-05-12T13:00:00Z",
     "site": {"latitude_deg": -23.2},
@@ -49,7 +48,7 @@ def run_yaml(run_id, profile, rate_hz=16.0, **more):
     **more
         Keys that are added, or take the place of these.
     """
-    data = copy.deepcopy(_RUN) | {"run_id": run_id} | more
+    data = {"schema": "fogreduce/run/1", "run_id": run_id} | copy.deepcopy(_RUN) | more
     steps = [{"rate_deg_s": rate, "duration_s": duration} for rate, duration in profile]
     data.setdefault("table", {"axis": "x", "profile": steps})
     data["capture"]["sample_rate_hz"] = rate_hz

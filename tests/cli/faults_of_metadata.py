@@ -76,7 +76,7 @@ RUN_YAML = [
         "unknown key",
         _run({"site.latitude": 3.0}),
         "$yaml: site.latitude: found an unknown key (did you mean latitude_deg?); expected one of "
-        "latitude_deg, longitude_deg, height_m, name, latitude_uncertainty_deg",
+        "latitude_deg, longitude_deg, height_m, name, latitude_uncertainty_deg, magnetic_field_uT",
     ),
     Case(
         "missing key",

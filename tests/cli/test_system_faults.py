@@ -165,7 +165,7 @@ def test_a_directory_under_a_tables_name(small_lab):
 @pytest.mark.parametrize(
     ("arguments", "last_line"),
     [
-        (["reduce"], "error: the following arguments are required: RUN, --out, --calibrations"),
+        (["reduce"], "error: the following arguments are required: RUN, --out"),
         (["stage", "smooth", "--out", "x"], "error: argument stage: invalid choice: 'smooth'"),
         (["redcue"], "error: argument COMMAND: invalid choice: 'redcue'"),
         ([], "error: the following arguments are required: COMMAND"),

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -20,6 +21,7 @@ PATIENCE_S = 60.0
 #: A workflow: starts a server and lives until its standard input closes.
 WORKFLOW = """
 import sys
+import tempfile
 from fogreduce.warm.start import start
 print(start(), flush=True)
 sys.stdin.read()
@@ -110,15 +112,22 @@ def lives(pid: int) -> bool:
 
 
 @pytest.fixture
-def workflow(tmp_path: Path) -> Iterator[Workflow]:
-    workflow = Workflow(tmp_path)
+def runtime() -> Iterator[Path]:
+    """A folder with a short name: a socket's path has at most 107 bytes."""
+    with tempfile.TemporaryDirectory() as name:
+        yield Path(name)
+
+
+@pytest.fixture
+def workflow(runtime: Path) -> Iterator[Workflow]:
+    workflow = Workflow(runtime)
     yield workflow
     workflow.end()
 
 
 @pytest.fixture
-def waiting(tmp_path: Path) -> Iterator[Workflow]:
-    workflow = Workflow(tmp_path, REAL.format(python=sys.executable))
+def waiting(runtime: Path) -> Iterator[Workflow]:
+    workflow = Workflow(runtime, REAL.format(python=sys.executable))
     yield workflow
     workflow.end()
 
