@@ -1,5 +1,6 @@
 """Classes of campaigns: what they hold, and one command that runs one of them."""
 
+import sys
 from collections import Counter
 
 import numpy as np
@@ -179,8 +180,9 @@ def test_kinds_by_name():
 
 
 def test_examine_makes_diagnoses_scores_and_goes_on_where_it_was(tmp_path, capsys):
-    call = ["examine", "strong", "--seed", "4", "--campaigns", "1", "--out", str(tmp_path / "out"),
-            "--diagnoser", "python -m withheld candidate no_gap --batch {batch} --out {out}"]  # fmt: skip
+    diagnoser = f"{sys.executable} -m withheld candidate no_gap --batch {{batch}} --out {{out}}"
+    call = ["examine", "strong", "--seed", "4", "--campaigns", "1", "--out", str(tmp_path / "out")]
+    call += ["--diagnoser", diagnoser]
     assert main(call) == 0
     assert "| named once (or one of its true group), and explained | 0 of 1" in capsys.readouterr().out
     assert not (tmp_path / "out" / "batches").exists() or not list((tmp_path / "out" / "batches").iterdir())
