@@ -22,7 +22,8 @@ from fogreduce.diagnosis.observe.constant import Constant, constant_gyros, witho
 from fogreduce.diagnosis.observe.full_rate import PIECE, FullRate, full_rate, straightened
 from fogreduce.diagnosis.observe.run_noise import own_levels, with_white_noise
 from fogreduce.diagnosis.which.full_rate.converter import Codes, codes
-from fogreduce.diagnosis.which.full_rate.lines import Line, without_lines
+from fogreduce.diagnosis.which.full_rate.line import Line
+from fogreduce.diagnosis.which.full_rate.lines import without_lines
 from fogreduce.diagnosis.which.full_rate.link import zero_bits
 from fogreduce.effects.model import Stage
 from fogreduce.effects.selection import Action

@@ -15,7 +15,7 @@ from fogreduce.diagnosis.observe.data import Data
 from fogreduce.diagnosis.observe.run_noise import own_level_findings
 from fogreduce.diagnosis.which.full_rate.converter import converter_findings
 from fogreduce.diagnosis.which.full_rate.correlation import correlation_findings
-from fogreduce.diagnosis.which.full_rate.lines import Line
+from fogreduce.diagnosis.which.full_rate.line import Line
 from fogreduce.diagnosis.which.full_rate.link import link_findings
 from fogreduce.diagnosis.which.full_rate.spectrum import DRIFTS, level_findings, levels
 from fogreduce.diagnosis.which.full_rate.stamps import stamp_findings

@@ -2,52 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 import pytest
+from line_streams import FOUR, NOISE, RATE, Facts, N, quiet, wave
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.which.full_rate.lines import Line, without_lines
-from fogreduce.diagnosis.which.full_rate.streams import Stream, noise_floor
-
-RATE, N, NOISE = 100.0, 12000, 6.0
-FOUR = np.array([[0.29, 0.0, 0.81], [0.29, 0.71, -0.41], [0.29, -0.7, -0.41], [0.5, 0.0, 0.0]])
-FOUR /= np.linalg.norm(FOUR, axis=1)[:, None]
-
-
-@dataclass
-class Facts:
-    """What the search for lines asks of a run."""
-
-    run_id: str
-    axes: NDArray[np.float64]
-    sample_rate_hz: float = RATE
-    frame_signs: NDArray[np.float64] = field(default_factory=lambda: np.ones(3))
-
-    @property
-    def n_gyros(self) -> int:
-        return len(self.axes)
-
-    @property
-    def white_noise(self) -> NDArray[np.float64]:
-        """Of NOISE deg/h a sample, in deg/sqrt(h)."""
-        return np.full(len(self.axes), NOISE / 60.0 / np.sqrt(RATE))
+from fogreduce.diagnosis.which.full_rate.line import Line
+from fogreduce.diagnosis.which.full_rate.lines import without_lines
 
 
 def search(streams: list[NDArray[np.float64]], axes: NDArray[np.float64] = FOUR) -> tuple[list, list[Line]]:
     facts = [Facts(f"r{k}", axes) for k in range(len(streams))]
     left, lines = without_lines(streams, facts)  # type: ignore[arg-type]
     return left, [line for line in lines if line.taken]
-
-
-def quiet(seed: int, runs: int = 2, axes: NDArray[np.float64] = FOUR) -> list[NDArray[np.float64]]:
-    rng = np.random.default_rng(seed)
-    return [NOISE * rng.standard_normal((len(axes), N)) for _ in range(runs)]
-
-
-def wave(deg_h: float, hz: float, phase: float = 0.0) -> NDArray[np.float64]:
-    return deg_h * np.sin(2.0 * np.pi * hz / RATE * np.arange(N) + phase)
 
 
 @pytest.mark.parametrize("deg_h", [0.8, 2.74, 60.0, 2000.0])
@@ -121,18 +88,3 @@ def test_missing_samples_are_no_noise_of_a_strong_line() -> None:
     (left,), (line,) = search([one])
     assert line.deg_h == pytest.approx(2000.0, abs=4.0 * line.std)
     assert np.nanstd(left[1]) == pytest.approx(NOISE, rel=0.03)
-
-
-def test_what_is_left_of_an_exact_line_is_nothing() -> None:
-    left, _ = Stream(RATE, wave(5.0, 1.37, 0.3)).without(1.37)
-    assert np.max(np.abs(left.residual)) < 1e-6
-
-
-def test_the_floor_follows_a_spectrum_and_not_its_lines() -> None:
-    rng = np.random.default_rng(9)
-    size = np.geomspace(10.0, 1.0, 20000)
-    lines = size * (rng.standard_normal(20000) + 1j * rng.standard_normal(20000))
-    lines[::500] *= 1000.0
-    ratio = np.sqrt(noise_floor(lines, 1.0)) / size
-    assert np.all(np.abs(ratio - 1.0) < 0.3)
-    assert np.mean(ratio) == pytest.approx(1.0, abs=0.03)

@@ -1,0 +1,25 @@
+"""A line's numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fogreduce.diagnosis.which.full_rate.line import Line, frequency_std
+
+
+def test_a_line_of_some_runs_has_their_amplitude_and_share_of_the_gain() -> None:
+    by_run = {"r1": (3.0, 0.1), "r2": (5.0, 0.1), "r3": (4.0, 0.2)}
+    whole = Line(("gyro1",), ("*",), 17.0, 0.001, 4.0, 0.06, None, 90.0, 100.0, 0.25, 6, True, True, by_run)
+    one = whole.of(["r2"])
+    assert one is not None
+    assert (one.deg_h, one.std) == pytest.approx((5.0, 0.1))
+    assert one.gain == pytest.approx(100.0 * 4.0 / 9.0)
+    assert whole.of(["r9"]) is None
+
+
+def test_a_frequency_is_known_to_cramer_and_rao_s_bound_or_to_how_a_line_drifts() -> None:
+    # S = 2 sqrt(gain / 2): Rife and Boorstyn 1974, sqrt(6) / (pi S T) with S^2 = 2 gain
+    faint, strong = frequency_std(100.0, 8.0), frequency_std(100.0, 1e6)
+    assert faint == pytest.approx(np.hypot(np.sqrt(12.0) / (2.0 * np.pi * 4.0), 0.05) / 100.0)
+    assert strong == pytest.approx(0.05 / 100.0, rel=0.01)
