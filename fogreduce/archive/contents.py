@@ -9,6 +9,7 @@
 ``results/<campaign>/_diagnosis/``           its diagnosis, where there is one
 ``results/<campaign>/_calibration/``         a calibration derived from it, where there is one
 ``results/<campaign>/_report/``              the test report of its unit, where there is one
+``results/index.html``                       the index, of this campaign alone, where it has a page
 ``results/_selftest/``                       published numbers as the software computes them, if it was asked
 ``software/``                                the package's source, its rules, the lock of its environment
 ============================================ ===========================================================
@@ -36,7 +37,7 @@ MADE = "_captures"
 OF_CAMPAIGN = ("_diagnosis", "_calibration", "_report")
 #: Folder beside the campaigns: the software's own examination (`fogreduce selftest`).
 SELFTEST = "_selftest"
-#: The page of a campaign, beside its runs.
+#: The page of a campaign, beside its runs; and that over all campaigns, beside these.
 PAGE = "index.html"
 
 

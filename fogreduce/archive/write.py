@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fogreduce
 from fogreduce.archive.bag import BagWriter
-from fogreduce.archive.contents import Contents
+from fogreduce.archive.contents import PAGE, Contents
 from fogreduce.archive.crate import CRATE, crate
 from fogreduce.errors import BadInput, Fault
 from fogreduce.provenance.code import digest_of, reduction_parts
@@ -27,10 +27,12 @@ def write_bag(
     progress: Callable[[int], None] = lambda done: None,
     *,
     by_digest: bool = False,
+    index: str | None = None,
 ) -> tuple[str, Path]:
     """Write the bag of a campaign; returns the SHA-256 of its tag manifest, and the bag's folder.
 
-    The parameters are those of `fogreduce.archive.bag.BagWriter`.
+    The parameters are those of `fogreduce.archive.bag.BagWriter`, and `index`: the page over all
+    campaigns, of this one alone, to which the pages in the bag link.
 
     Raises
     ------
@@ -50,6 +52,8 @@ def write_bag(
         code = digest_of(sources, parts)
         _same_code(contents, code)
         bag.add(item for item in contents.items if not item.path.startswith("software/"))
+        if index is not None:
+            bag.add_text(f"results/{PAGE}", index)
         record = {
             "schema": RECORD_SCHEMA,
             "campaign": contents.campaign,

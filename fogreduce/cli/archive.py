@@ -57,10 +57,22 @@ def run(arguments: argparse.Namespace) -> int:
                 arguments.results, name, arguments.campaigns, arguments.calibrations, source, left_out
             )
             total = sum(item.source.stat().st_size for item in planned.items)
+            index = _index(arguments.results / name, arguments.campaigns / name)
             with progress(total, "B") as advance:
-                digest, bag = write_bag(planned, arguments.out / name, advance, by_digest=arguments.by_digest)
+                digest, bag = write_bag(
+                    planned, arguments.out / name, advance, by_digest=arguments.by_digest, index=index
+                )
             print(f"{digest}  {bag}")
     return 0
+
+
+def _index(folder: Path, campaign: Path) -> str | None:
+    """The page over all campaigns, of this one alone; None where the campaign has no page."""
+    from fogreduce.pages.gather import gather
+    from fogreduce.pages.index_page import index_page
+
+    gathered = gather(folder, campaign)
+    return index_page([gathered]) if gathered.page else None
 
 
 def _left_out(results: Path, campaigns: Path, campaign: str) -> dict[str, str]:

@@ -2,7 +2,9 @@
 
 import hashlib
 import json
+import re
 import shutil
+from pathlib import Path
 
 import pytest
 from archived_lab import CAMPAIGN, RUNS, sha256_of
@@ -245,3 +247,15 @@ def test_results_whose_checksums_were_not_taken_have_not_failed(archived, incomp
     assert status == 2
     assert "r1/outputs.json: found no such file" in err
     assert not (tmp_path / "bags").exists()
+
+
+def test_the_links_of_its_pages_lead_somewhere(archived, tmp_path):
+    results = Path(shutil.copytree(archived.results, tmp_path / "results"))
+    succeed("page", "campaign", results / CAMPAIGN, "--campaigns", archived.campaigns)
+    succeed(*(results if a == archived.results else a for a in archived.arguments(tmp_path / "bags")))
+    kept = tmp_path / "bags" / CAMPAIGN / "data" / "results"
+    for page in (kept / "index.html", kept / CAMPAIGN / "index.html"):
+        links = re.findall(r'href="([^"#:]+)["#]', page.read_text())
+        assert [link for link in links if not (page.parent / link).is_file()] == []
+    assert f"{CAMPAIGN}/index.html" in (kept / "index.html").read_text()
+    succeed("verify", tmp_path / "bags" / CAMPAIGN)

@@ -54,7 +54,9 @@ rule bag:
     benchmark:
         f"{RESULTS}/_archive/benchmarks/{{campaign}}.tsv"
     params:
-        code=code_digest("fogreduce.archive.contents", "fogreduce.archive.write"),
+        code=code_digest(
+            "fogreduce.archive.contents", "fogreduce.archive.write", "fogreduce.pages.index_page"
+        ),
         results=subpath(output[0], ancestor=2),
         campaigns=CONFIG.campaigns_dir,
         calibrations=CONFIG.calibrations_dir,
