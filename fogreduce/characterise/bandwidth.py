@@ -24,7 +24,7 @@ _HARMONICS = 8  # rows of the response's table
 _NEIGHBOURS = (-5, -4, -3, 3, 4, 5)  # lines beside a harmonic that show noise alone
 _NONE = (
     "a run whose table swings (+5 and -5 deg/s for 0.25 s each, ten times and more), its encoder logged; "
-    "`fogreduce plan` writes one"
+    "fogreduce plan writes one"
 )
 
 

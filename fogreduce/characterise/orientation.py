@@ -68,5 +68,5 @@ def _magnetic(found: Derivation, shapes: list[Shape], gyro: int, of: str) -> Qua
             return normal("magnetic_sensitivity", of, "deg/h/mT", one.value, one.std)
     needs = "standstills in attitudes that turn the gyro's axis along the field and against it"
     if not field_is_stated(found):
-        needs += "; `site: {magnetic_field_uT: [east, north, up]}` in the run.yaml of every run"
+        needs += "; site: {magnetic_field_uT: [east, north, up]} in the run.yaml of every run"
     return undetermined("magnetic_sensitivity", of, "deg/h/mT", needs)

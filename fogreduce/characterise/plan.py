@@ -100,7 +100,7 @@ def planned_runs(pattern: Mapping[str, Any], largest_deg_s: float) -> dict[str, 
     for axis in "xyz":
         for way in ("up", "down"):
             add(f"still-{axis}-{way}", axis, way, [(0.0, _STILL_S)], "power cycled before")
-    notes = f"{_COLD}; log the temperatures and add `temperature: temperature.csv`"
+    notes = f"{_COLD}; log the temperatures and add temperature: temperature.csv"
     for axis in "xyz":
         turns = [(sense * largest_deg_s, _WARM_S) for sense in (1, -1, 1, -1)]
         add(f"warm-{axis}", axis, "up", turns, notes)
@@ -109,7 +109,7 @@ def planned_runs(pattern: Mapping[str, Any], largest_deg_s: float) -> dict[str, 
     if half_s <= LONGEST_S:
         rate = min(largest_deg_s, _SWING_DEG_S)
         swing = [(rate * (-1) ** k, half_s) for k in range(_SWING_CHANGES)]
-        notes = "log the encoder at 100 Hz and more, and add `table_log: table.csv`"
+        notes = "log the encoder at 100 Hz and more, and add table_log: table.csv"
         for axis in "xyz":
             add(f"swing-{axis}", axis, "up", swing, notes)
     return runs

@@ -78,7 +78,7 @@ def _run(one: Any, campaign: Path) -> dict[str, Any]:
 
 def _plain(one: Quantity, limits: Limits | None) -> dict[str, Any]:
     definition = DEFINITIONS[one.name]
-    judged = None if limits is None else verdict(one, limits)
+    outcome = None if limits is None else verdict(one, limits)
     return {
         "quantity": one.name,
         "of": one.of,
@@ -92,8 +92,8 @@ def _plain(one: Quantity, limits: Limits | None) -> dict[str, Any]:
         "needs": one.needs,
         "definition": definition.formula,
         "source": definition.source,
-        "verdict": None if judged is None else judged[0],
-        "conformance_probability": None if judged is None else judged[1],
+        "verdict": None if outcome is None else outcome[0],
+        "conformance_probability": None if outcome is None else outcome[1],
     }
 
 

@@ -62,4 +62,4 @@ def _said(cell: dict[str, Any], which: str) -> str:
     if value is None:
         return "none"
     error = next((text for text in cell[f"{which}_uncertainty"].values() if text), None)
-    return (value or "empty") + (f" +- {float(error):.3g}" if error else "")
+    return (value or "empty") + (f" ± {float(error):.3g}" if error else "")

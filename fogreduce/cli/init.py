@@ -75,7 +75,7 @@ def _is_capture(args: argparse.Namespace) -> bool:
 def _begin_run(capture: Path, out: Path | None) -> int:
     """A run.yaml from a capture's header."""
     out = out or capture.parent / "run.yaml"
-    text = run_yaml_text(capture.name, known_of(capture), out.absolute().parent)
+    text = run_yaml_text(capture.name, facts_of(capture), out.absolute().parent)
     _write_new(out, text)
     todo = sum(TODO in line.split("#")[0] for line in text.splitlines())
     print(f"{out}: {todo} lines marked {TODO}; fill them in, then run: {_check_command(out.parent)}")
@@ -91,7 +91,7 @@ def _check_command(folder: Path) -> str:
 
 
 @dataclass(frozen=True)
-class Known:
+class CaptureFacts:
     """What a capture says of itself; None where it is silent."""
 
     format: str
@@ -103,7 +103,7 @@ class Known:
     duration_s: float | None = None
 
 
-def known_of(capture: Path) -> Known:
+def facts_of(capture: Path) -> CaptureFacts:
     """Read a capture's header, or a CSV's columns.
 
     Raises
@@ -121,14 +121,14 @@ def known_of(capture: Path) -> Known:
     except OSError as error:
         raise BadInput.at(capture, "", found=error.strerror, expected="a capture file") from None
     if not is_fogcap:
-        return _known_of_csv(capture)
+        return _facts_of_csv(capture)
     reader = fogcap.FogcapReader(capture)
     facts = reader.facts
     start = None
     with contextlib.suppress(OverflowError):  # a start beyond the calendar is as good as none
         start = instant_text(instant_of(facts.start_us or 0))
     duration_s = reader.n_records / facts.sample_rate_hz if facts.sample_rate_hz else None
-    return Known(
+    return CaptureFacts(
         fogcap.FORMAT,
         facts.n_gyros,
         facts.unit,
@@ -139,7 +139,7 @@ def known_of(capture: Path) -> Known:
     )
 
 
-def _known_of_csv(capture: Path) -> Known:
+def _facts_of_csv(capture: Path) -> CaptureFacts:
     """A CSV's columns, and the rate and length that its times tell where they are right."""
     import numpy as np
 
@@ -151,46 +151,46 @@ def _known_of_csv(capture: Path) -> Known:
         blocks = csv1.CsvReader(capture, {"sample_rate_hz": 1.0}, 0).blocks(_RECORDS)
         time_s = np.concatenate([block.time_us for block in blocks]) / MICROSECONDS_PER_SECOND
     except BadInput:
-        return Known(csv1.FORMAT, gyros)  # `fogreduce check` names the line
+        return CaptureFacts(csv1.FORMAT, gyros)  # `fogreduce check` names the line
     steps = np.diff(time_s)
     middle = float(np.median(steps)) if steps.size else 0.0
     if middle <= 0.0:
-        return Known(csv1.FORMAT, gyros)
+        return CaptureFacts(csv1.FORMAT, gyros)
     # Stamps are rounded to microseconds: the mean of the steps that are one pulse long tells the rate better.
     one = steps[np.abs(steps - middle) < 0.25 * middle]
     rate = float(f"{1.0 / float(one.mean()):.6g}")
     duration_s = round(float(time_s.max()) * rate + 1.0) / rate
-    return Known(csv1.FORMAT, gyros, sample_rate_hz=rate, duration_s=float(f"{duration_s:.9g}"))
+    return CaptureFacts(csv1.FORMAT, gyros, sample_rate_hz=rate, duration_s=float(f"{duration_s:.9g}"))
 
 
-def run_yaml_text(capture: str, known: Known, folder: Path) -> str:
+def run_yaml_text(capture: str, facts: CaptureFacts, folder: Path) -> str:
     """The run.yaml of a capture, with TODO where the capture does not say.
 
     Parameters
     ----------
     capture : str
         The capture's file name.
-    known : Known
+    facts : CaptureFacts
         What it says of itself.
     folder : Path
         The run's folder: gives the run's name, and the logs that lie there.
     """
-    source = "columns" if known.format == "csv-1" else "header"
+    source = "columns" if facts.format == "csv-1" else "header"
     log = {key: "" if (folder / name).is_file() else "# " for key, name in _LOGS.items()}
     return f"""\
 # Begun by `fogreduce init` from the {source} of {capture!r}.
 # Replace each {TODO}, then run `fogreduce check`.
 schema: fogreduce/run/1
 run_id: {_scalar(folder.name)}  # equals the folder's name
-unit: {_scalar(known.unit)}  # the unit under test
-started_at: {known.start or TODO}  # start of record and profile, with zone: 2014-05-12T13:00:00Z
+unit: {_scalar(facts.unit)}  # the unit under test
+started_at: {facts.start or TODO}  # start of record and profile, with zone: 2014-05-12T13:00:00Z
 site:
   latitude_deg: {TODO}  # signed, north positive
   # latitude_uncertainty_deg: 0.001  # 1 sigma
 table:
   axis: {TODO}  # x, y, z of the unit frame, or [ux, uy, uz]
   profile:  # commanded rate about that axis, piecewise constant, in order
-    - {{rate_deg_s: {TODO}, duration_s: {_scalar(known.duration_s)}}}
+    - {{rate_deg_s: {TODO}, duration_s: {_scalar(facts.duration_s)}}}
   # rate_uncertainty_ppm: 5  # 1 sigma
 orientation:  # two unit axes at t = 0, each one of up, down, north, south, east, west
   x: {TODO}
@@ -200,11 +200,11 @@ orientation:  # two unit axes at t = 0, each one of up, down, north, south, east
 # frame_signs: [1, 1, 1]  # the sign with which each projected axis reads a positive rotation
 capture:
   file: {_scalar(capture)}
-  format: {known.format}
-  sample_rate_hz: {_scalar(known.sample_rate_hz)}
-  volts_per_count: {_scalar(known.volts_per_count)}
-  polarity: [{", ".join([TODO] * known.n_gyros)}]  # 1 or -1 a gyro: turns raw volts into calibrated volts
-calibration: {_scalar(f"{known.unit or TODO}@{TODO}")}  # <unit>@<version>
+  format: {facts.format}
+  sample_rate_hz: {_scalar(facts.sample_rate_hz)}
+  volts_per_count: {_scalar(facts.volts_per_count)}
+  polarity: [{", ".join([TODO] * facts.n_gyros)}]  # 1 or -1 a gyro: turns raw volts into calibrated volts
+calibration: {_scalar(f"{facts.unit or TODO}@{TODO}")}  # <unit>@<version>
 {log["temperature"]}temperature: {_LOGS["temperature"]}
 {log["table_log"]}table_log: {_LOGS["table_log"]}
 # notes: free text

@@ -125,13 +125,13 @@ def refuse_rewritten(
     """
     folders = sorted(path.parent for path in out.parent.glob(f"*/{MANIFEST}")) if neighbours else [out]
     used = rewritten(uses_in(folders, out.parent), {record_id: sha256})
-    known = _noted(out.parent.parent).get(record_id) or used.get(record_id)
-    if known:
-        were = "was" if len(known) == 1 else "were"
+    users = _noted(out.parent.parent).get(record_id) or used.get(record_id)
+    if users:
+        were = "was" if len(users) == 1 else "were"
         raise BadInput.at(
             calibrations / f"{record_id.replace('@', '/')}.yaml",
             "",
-            found=f"another content than {some_of(known)} {were} reduced with",
+            found=f"another content than {some_of(users)} {were} reduced with",
             expected=f"{record_id} as it was: a record that was used is never rewritten; a changed one needs "
             "a version of its own",
         )

@@ -218,10 +218,10 @@ def _causes(
         try:
             parameters = cause["parameters"]
             values = {
-                name: told["value"] if isinstance(told, Mapping) else told
-                for name, told in parameters.items()
+                name: stated["value"] if isinstance(stated, Mapping) else stated
+                for name, stated in parameters.items()
             }
-            sigmas.append({name: _std(told) for name, told in parameters.items()})
+            sigmas.append({name: _std(stated) for name, stated in parameters.items()})
             document = {
                 "effect": cause["effect"],
                 "channels": cause["channels"],
@@ -239,9 +239,9 @@ def _causes(
     return select(entries, run_ids, n_gyros, file), sigmas
 
 
-def _std(told: Any) -> list[float]:
-    """A parameter's standard deviations: one for a number, three for a vector, none where none is told."""
-    std = told.get("std") if isinstance(told, Mapping) else None
+def _std(stated: Any) -> list[float]:
+    """A parameter's standard deviations: one for a number, three for a vector, none where none is stated."""
+    std = stated.get("std") if isinstance(stated, Mapping) else None
     if isinstance(std, list | tuple):
         return [float(part) for part in std]
     return [] if std is None else [float(std)]
@@ -263,7 +263,7 @@ def _of_cause(cause: Action, sigmas: Mapping[str, list[float]], n_gyros: int) ->
         for k, (size, sigma) in enumerate(zip(value, std, strict=False)):
             moved = np.zeros(len(value))
             moved[k] = sigma or 1.0
-            given = {name: told for name, told in cause.parameters.items() if told is not None}
+            given = {name: stated for name, stated in cause.parameters.items() if stated is not None}
             given[parameter.name] = float(moved[0]) if parameter.kind == "number" else tuple(moved.tolist())
             step = action(cause.effect.name, channels, cause.runs, given, n_gyros)
             name = f"{'+'.join(channels)}.{cause.effect.name}.{parameter.name}"

@@ -145,11 +145,11 @@ class ForwardRun:
         return answers
 
     def _readings(self, time_s: Array) -> Array:
-        known = self._turning
-        if known is None or self.motion is not known.motion or time_s is not known.time_s:
-            known = Turning.of(self.motion, self.facts, time_s)
-        alpha = known.alpha_rad
-        readings = gyro_rates_from_axis_rates(known.axis_rates, self.axes)
+        turning = self._turning
+        if turning is None or self.motion is not turning.motion or time_s is not turning.time_s:
+            turning = Turning.of(self.motion, self.facts, time_s)
+        alpha = turning.alpha_rad
+        readings = gyro_rates_from_axis_rates(turning.axis_rates, self.axes)
         for stage in _READING_STAGES:
             readings = self._act(stage, readings, time_s, alpha)
         return readings

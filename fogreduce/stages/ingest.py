@@ -1,4 +1,4 @@
-"""Stage 1, ingest: records as they stand in the capture, each judged and flagged, none dropped."""
+"""Stage 1, ingest: records as they stand in the capture, each checked and flagged, none dropped."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Values = NDArray[Any]
 
 @dataclass(frozen=True)
 class _Prepared:
-    """A block with pulse numbers, ready to be judged.
+    """A block with pulse numbers, ready to be checked.
 
     `wrong_stamps`: which cannot be right, where they made the numbers. `filled`: counts or readings, those
     missing replaced by a neighbour. `missing`: None where all are there.
@@ -91,15 +91,15 @@ class Ingest:
 
     def blocks(self, reader: Reader, size: int) -> Iterator[Block]:
         """The capture's records with their flags, `size` at a time."""
-        judged = ((self._in_use(raw), wrong) for raw, wrong in self._numbered(reader.blocks(size)))
+        checked = ((self._in_use(raw), wrong) for raw, wrong in self._numbered(reader.blocks(size)))
         before: Values | None = None
-        current = self._prepared(next(judged, None))
+        current = self._prepared(next(checked, None))
         search = None
         while current is not None:
             search = search or OutlierSearch(
                 self.threshold_sigma, self._floor(current.raw.counts is not None)
             )
-            following = self._prepared(next(judged, None))
+            following = self._prepared(next(checked, None))
             after = None if following is None else following.filled[:, :CONTEXT]
             spurious = search.flags(before, current.filled, after)
             constant = self._constant.flags(
@@ -144,11 +144,11 @@ class Ingest:
         assert increment is not None
         return replace(raw, counts=None, values=rate_from_increment(increment, self._interval_s))
 
-    def _prepared(self, judged: tuple[RawBlock, NDArray[np.bool_] | None] | None) -> _Prepared | None:
+    def _prepared(self, checked: tuple[RawBlock, NDArray[np.bool_] | None] | None) -> _Prepared | None:
         """A block with missing values filled from their neighbours."""
-        if judged is None:
+        if checked is None:
             return None
-        raw, wrong = judged
+        raw, wrong = checked
         values = _captured(raw)
         missing = values == MISSING_COUNT if raw.counts is not None else np.isnan(values)
         if not missing.any():

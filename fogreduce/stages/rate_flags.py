@@ -21,9 +21,10 @@ def flag_text(row: Row) -> str:
     if not row["measured_deg_s"]:
         return f"{place}: no rate: {row['looks_like']}"
     measured, commanded = float(row["measured_deg_s"]), float(row["commanded_deg_s"])
-    off, sigma = float(row["difference_deg_h"]), float(row["difference_sigma"])
+    off, error = float(row["difference_deg_h"]), float(row["difference_err_deg_h"])
+    sigma = float(row["difference_sigma"])
     text = f"{place}: mean rate {measured:.6g} deg/s, commanded {commanded:.6g}"
-    text += f" ({off:+.4g} deg/h, {sigma:+.3g} sigma)"
+    text += f" ({off:+.4g} ± {error:.2g} deg/h, {sigma:+.3g} sigma)"
     if row["sine_sigma"] and float(row["sine_sigma"]) > abs(sigma):
         sine, far = float(row["sine_deg_h"]), float(row["sine_sigma"])
         text += f"; Earth's rate leaves a sine of {sine:.3g} deg/h ({far:.3g} sigma)"

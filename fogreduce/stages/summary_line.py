@@ -37,7 +37,7 @@ def _drift(rows: list[Row]) -> Iterable[str]:
         error = _number(row["drift_err_coloured_deg_h"])
         if math.isnan(error):
             error = _number(row["drift_err_deg_h"])
-        said.append(f"{row['axis']} {value:.4g} +- {error:.2g}")
+        said.append(f"{row['axis']} {value:.4g} ± {error:.2g}")
     if said:
         yield "drift [deg/h] " + ", ".join(said)
 

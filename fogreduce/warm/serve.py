@@ -119,7 +119,7 @@ class Server:
         connection, _ = listener.accept()
         try:
             connection.settimeout(10.0)
-            fields, streams, told = _request(connection)
+            fields, streams, stop = _request(connection)
         except (OSError, ValueError):
             connection.close()
             return
@@ -138,16 +138,16 @@ class Server:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOP)
             connection.settimeout(None)
             self._jobs[pid] = Job(pid, connection)
-            self._selector.register(connection, selectors.EVENT_READ, self._told)
+            self._selector.register(connection, selectors.EVENT_READ, self._heard)
             with contextlib.suppress(OSError):
                 connection.sendall(b"+")
-            if told:
+            if stop:
                 self._jobs[pid].stop()
         finally:
             for stream in streams:
                 os.close(stream)
 
-    def _told(self, connection: socket.socket) -> None:
+    def _heard(self, connection: socket.socket) -> None:
         """A client says stop, or is gone."""
         job = next((job for job in self._jobs.values() if job.connection is connection), None)
         if job is None:  # ended in the same instant

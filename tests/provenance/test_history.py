@@ -80,7 +80,7 @@ def test_the_text_says_value_uncertainty_and_cause(twice):
     text = succeed("history", out, "--all")
     assert "because  parameters: edge_guard_s: 0.5 -> 1.5" in text
     assert "drift.csv:x@1:drift_deg_h: " in text
-    assert " +- " in text
+    assert " ± " in text
     assert "now version 2" in text
 
 

@@ -24,7 +24,7 @@ started_at: 2014-05-12T13:00:00Z
 site: {{latitude_deg: -23.21132308}}
 table:
   axis: x
-  profile: [{{rate_deg_s: {rate}, duration_s: {duration_s}}}]
+  profile: {profile}
 orientation: {{x: up, z: north}}
 capture:
   file: capture.fogcap
@@ -41,7 +41,8 @@ def write_captures(place: Path, run_ids: Sequence[str], duration_s: float = 10.0
     for k, run_id in enumerate(run_ids):
         folder = place / "plan" / "runs" / run_id
         folder.mkdir(parents=True)
-        (folder / "run.yaml").write_text(RUN_YAML.format(run_id=run_id, rate=k + 1, duration_s=duration_s))
+        profile = f"[{{rate_deg_s: {k + 1}, duration_s: {duration_s}}}]"
+        (folder / "run.yaml").write_text(RUN_YAML.format(run_id=run_id, profile=profile))
     subprocess.run(
         [
             *(BIN / "fogreduce", "simulate", place / "plan"),

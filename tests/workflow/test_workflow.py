@@ -10,29 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from small_campaign import RUN_YAML
 
 ROOT = Path(__file__).parents[2]
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
 FOGREDUCE = Path(sys.executable).with_name("fogreduce")
 
-RUN_YAML = """\
-schema: fogreduce/run/1
-run_id: {run_id}
-unit: TETRA-01
-started_at: 2014-05-12T13:00:00Z
-site: {{latitude_deg: -23.21132308}}
-table:
-  axis: x
-  profile: {profile}
-orientation: {{x: up, z: north}}
-capture:
-  file: capture.fogcap
-  format: fogcap-1
-  sample_rate_hz: 128
-  volts_per_count: 1.0e-7
-  polarity: [1, -1, 1, 1]
-calibration: TETRA-01@2012a
-"""
 PROFILES = {
     "a-steady": "[{rate_deg_s: 10, duration_s: 20}]",
     "b-steps": "[{rate_deg_s: 0, duration_s: 15}, {rate_deg_s: -10, duration_s: 15}]",
