@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
-from fogreduce.diagnosis.how_far.measure import Deviates, Part, deviates, scattered
+from fogreduce.diagnosis.how_far.measure import Deviates, Part, deviates, scattered, shows
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
+from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.fitted import refined
 from fogreduce.diagnosis.inference.ground import processes_of
 from fogreduce.diagnosis.inference.model import modelled, modelled_change
@@ -39,7 +40,6 @@ _MEASURE = (
     "which the gap shows and of those that the causes change"
 )
 _DEALS = 300  # stretches of a run, dealt in turn: short ones, so that either fold knows when a bias stepped
-_MOST_FEATURES = 30
 
 
 @dataclass(frozen=True)
@@ -227,13 +227,15 @@ def _of_block_means(
     # what a converter does to block means is its own doing, of a phase that nobody knows
     codes = converter_means(data.inputs, causes, data.noise_raw(), search.ground.whiten.rows)
     shapes = _shapes(data, slow, search.ground.whiten.rows)
-    features = _features(search, families, slow, shapes)
     noisy = [_part(search, keep, causes, np.column_stack([columns, codes])) for keep in _KEPT]
     bare = noisy
     if processes_of(causes) or codes.shape[1]:
         bare = [_part(search, keep, slow, columns) for keep in _KEPT]
+    features = _features(search, families, slow, shapes, bare[-1])
     measures = deviates(noisy[-1], noisy[:2], features)
     plain = measures if bare is noisy else deviates(bare[-1], bare[:2], features)
+    white = noisy[-1].whiten(shapes)
+    sums.departed = float(np.trace(noisy[-1].metric.gram(white, white)))
     for this, other in ((1, 0), (0, 1)):
         held, fitted = noisy[this], noisy[other]
         mine: Sequence[Cause] = slow
@@ -246,7 +248,6 @@ def _of_block_means(
         sums.before.add_fold(plain[this], bare[this].y)
         sums.after.add_fold(measures[this], held.y - change)
         sums.expected += measures[this].expected
-        sums.departed += sum(float(z @ z) for z in map(measures[this].of, held.whiten(shapes).T))
         wrong = _placebo(search, slow, bare[other], bare[this])
         if wrong is not None:
             one, two = (plain[this].of(y) for y in (bare[this].y, bare[this].y - wrong))
@@ -307,21 +308,30 @@ def _shapes(data: Data, slow: Sequence[Cause], rows: Rows) -> Array:
     return np.column_stack([np.zeros((rows.total, 0)), *columns])
 
 
-def _features(search: Search, families: Sequence[Candidate], slow: Sequence[Cause], shapes: Array) -> Array:
-    """Columns (rows, m) [deg/h] of features, causes and their departures."""
+def _features(
+    search: Search, families: Sequence[Candidate], slow: Sequence[Cause], shapes: Array, whole: Part
+) -> Array:
+    """Columns (rows, m) [deg/h] of what the causes change, and of what shows beside it: places, departures.
+
+    What does not show there would add its noise to the gap, and nothing that is in it.
+    """
     ground = search.ground.whiten
     model = modelled(search.data.inputs, slow, ground, search.ground.nominal)
-    room = _MOST_FEATURES - model.slopes.shape[1] - shapes.shape[1]
     wholes = [model.slopes]
     for family in families:
-        if family.columns.shape[2] > room:
-            continue
-        room -= family.columns.shape[2]
-        whole = np.zeros((ground.rows.total, family.columns.shape[2]))
-        whole[family.rows] = family.columns[:, 0, :]
-        wholes.append(whole)
+        columns = np.zeros((ground.rows.total, family.columns.shape[2]))
+        columns[family.rows] = family.columns[:, 0, :]
+        wholes.append(columns)
     # all at once: filters are solved for once
-    return np.column_stack([_coloured(ground, np.column_stack(wholes)), shapes])
+    plain = _coloured(ground, np.column_stack(wholes))
+    slopes, *places = np.split(plain, np.cumsum([w.shape[1] for w in wholes])[:-1], axis=1)
+    if not slow:
+        return np.column_stack([slopes, *places])
+    change = modelled_change(search.data.inputs, slow, whole.whiten, search.ground.nominal)
+    left = Field.of(whole.metric.beside(whole.whiten(slopes)), whole.y - change)
+    shown = [columns for columns in places if shows(left, whole.whiten(columns), 0.0)]
+    shown += [shapes] if shows(left, whole.whiten(shapes), 1.0) else []
+    return np.column_stack([slopes, *shown])
 
 
 def _coloured(ground: Whitener, white: Array) -> Array:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener
 
 Array = NDArray[np.float64]
@@ -22,6 +23,8 @@ Array = NDArray[np.float64]
 #: Directions of less than this share of the strongest are none; of less than that of all blocks' knowledge, a
 #: fold knows nothing of them.
 _NONE, _UNKNOWN = 1e-8, 1e-3
+#: Standard deviations beyond its expectation from which what columns gain is no noise.
+_CLEAR = 2.0
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,15 @@ class Deviates:
     def expected(self) -> float:
         """Sum of their squares under noise and stated uncertainties alone."""
         return float(np.trace(self.spread))
+
+
+def shows(left: Field, columns: Array, prior: float) -> bool:
+    """Whether whitened columns (rows, k), of inverse prior variance `prior`, gain more than noise would."""
+    gram = left.metric.gram(columns, columns)
+    along = left.metric.gram(columns, left.y[:, None])[:, 0]
+    inverse = np.linalg.pinv(gram + prior * np.eye(len(gram)), rcond=_NONE, hermitian=True)
+    degrees = float(np.sum(inverse * gram))
+    return bool(along @ inverse @ along > degrees + _CLEAR * np.sqrt(2.0 * degrees))
 
 
 def scattered(left: float, before: Array, after: Array, of_before: Array, of_after: Array) -> float:

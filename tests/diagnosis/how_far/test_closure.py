@@ -88,3 +88,13 @@ def test_a_step_closes_though_neither_fold_holds_its_instant_alone(tmp_path: Pat
     assert [c["effect"] for c in out["causes"]] == ["bias_step"]
     assert out["closure"]["fraction"] == pytest.approx(1.0, abs=0.03)
     assert abs(out["closure"]["placebo_fraction"]) < 0.1
+
+
+def test_what_shows_no_gap_adds_no_noise_to_it(tmp_path: Path) -> None:
+    """An offset is one number: its departures do not show, and neither does anything beside it."""
+    lab(tmp_path)
+    put = [{"effect": "bias_offset", "channels": ["gyro2"], "runs": ["*"], "parameters": {"deg_h": 0.35}}]
+    out = diagnosed(tmp_path, simulated(tmp_path, put))
+    assert [c["effect"] for c in out["causes"]] == ["bias_offset"]
+    assert out["closure"]["expected_if_closed"] < 3.0
+    assert out["closure"]["fraction"] == pytest.approx(1.0, abs=0.05)

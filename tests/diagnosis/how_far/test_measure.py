@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fogreduce.diagnosis.how_far.measure import Part, deviates
+from fogreduce.diagnosis.how_far.measure import Part, deviates, shows
+from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener
 
 ROWS = 240
@@ -84,3 +85,12 @@ def test_a_fold_without_a_feature_leaves_it_to_the_other() -> None:
 def test_no_features_count_nothing() -> None:
     whole, folds = parts(np.ones(ROWS), np.zeros((ROWS, 0)))
     assert all(d.expected == 0.0 for d in deviates(whole, folds, np.zeros((ROWS, 0))))
+
+
+def test_what_gains_no_more_than_noise_does_not_show() -> None:
+    """Three columns gain 3 +- 2.4 of noise alone; of a prior far below noise, hardly anything."""
+    metric, blips = Metric.of(np.zeros((ROWS, 0))), np.eye(ROWS)[:, :3]
+    for size, seen in ((2.0, False), (3.0, True)):
+        y = size * blips[:, 0] + blips[:, 1]
+        assert shows(Field.of(metric, y), blips, 0.0) is seen
+    assert not shows(Field.of(metric, np.zeros(ROWS)), 1e-3 * blips, 1.0)

@@ -48,6 +48,15 @@ def test_warmth_is_told_from_a_random_walk(tmp_path: Path) -> None:
     assert load_yaml(tmp_path / "out-bench" / "simulator.yaml")["effects"] == []
 
 
+def test_a_gap_that_no_few_features_hold_is_measured(tmp_path: Path) -> None:
+    """A scale factor that goes with the temperature swings in each run for itself."""
+    campaign = unlogged(tmp_path, [put("temperature_scale_factor", "gyro2", ppm_per_degC=12.0)])
+    found = diagnosed(tmp_path, campaign)
+    assert [c["effect"] for c in found["causes"]] == ["temperature_scale_factor"]
+    assert found["closure"]["before"] > 100.0
+    assert found["verdict"] == "explained"
+
+
 def test_without_its_name_it_is_unknown(tmp_path: Path) -> None:
     campaign = unlogged(tmp_path, [put("temperature_bias", "gyro2", deg_h_per_degC=0.8)])
     found = diagnosed(tmp_path, campaign, *(x for name in TEMPERATURES for x in ("--without", name)))
