@@ -20,6 +20,8 @@ from fogreduce.diagnosis.inference.sizes import believed
 
 #: Of the whole gap: what a gross cause with an amplitude must explain to go first.
 _ALL_BUT = 0.9
+#: Such causes that are simulated in vain before that is given up: columns of what is no small step mislead.
+_TRIALS = 3
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ def gross(search: Search, state: State) -> Gross:
     """
     settled: set[tuple[object, ...]] = set()
     others: dict[tuple[object, ...], Fit] = {}
-    out = {c.key for c in state.causes}
+    out, trials = {c.key for c in state.causes}, 0
     while True:
         fits = [f for f in search.fits(state) if f.candidate.key not in out]
         fits = [f for f in fits if f.candidate.effect not in OF_FULL_RATE]
@@ -62,11 +64,16 @@ def gross(search: Search, state: State) -> Gross:
         adds_up = not (best.candidate.fixed or DELAYS.keys() & set(best.candidate.scales))
         if not believed(best):
             break
-        if adds_up and best.q < _ALL_BUT * (state.field.chi2 - len(state.field.y)):
-            break
         out.add(best.candidate.key)
+        # a table off in rate comes to other angles, of which its column knows nothing
         taken = search.state([*state.causes, Cause.of_fit(best)], state.ground)
-        if search.gained(state, taken) < 0.5 * best.q:
+        done = search.gained(state, taken)
+        if adds_up and done < _ALL_BUT * (state.field.chi2 - len(state.field.y)):
+            trials += 1
+            if trials == _TRIALS:
+                break
+            continue
+        if done < 0.5 * best.q:
             continue  # simulated, it does not do what its column promised: it was no small step
         if adds_up:
             others[best.candidate.key] = best

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from bench_lab import lab, simulated
+import pytest
+from bench_lab import RECORD, lab, simulated
 
 from fogreduce.diagnosis.inference.gross import gross
 from fogreduce.diagnosis.inference.search import Search
@@ -32,3 +33,15 @@ def test_what_adds_up_starts_the_sets_and_may_be_exchanged(tmp_path) -> None:
     assert all(fit.candidate.channels == ("gyro3",) for fit in first.others)
     verdict = verdict_of_sets(search)
     assert [(c.effect, c.channels) for c in verdict.state.causes] == [("bias_offset", ("gyro3",))]
+
+
+@pytest.mark.parametrize("n_deg_sqrt_h", [1e-3, 2e-4])
+def test_a_table_off_in_rate_is_simulated_and_leaves_nothing(tmp_path, n_deg_sqrt_h) -> None:
+    """By a hundredth: it comes to angles of which a column, linear in the error, knows nothing."""
+    rate = {"effect": "table_rate_error", "channels": ["table"], "runs": ["*"], "parameters": {"ppm": -1e4}}
+    record = RECORD | {"noise": RECORD["noise"] | {"angle_random_walk_deg_sqrt_h": [n_deg_sqrt_h] * 4}}
+    lab(tmp_path, record, rate_hz=16.0, duration_s=400.0, rates=(15.0, -15.0, 15.0, -15.0, 0.3, 0.0))
+    search = Search(read_data(simulated(tmp_path, [rate]), tmp_path / "cal"), frozenset(EFFECTS))
+    first = gross(search, search.state([], search.ground))
+    assert [fit.candidate.effect for fit in first.others] == ["table_rate_error"]
+    assert first.state.field.chi2 < 1.1 * len(first.state.field.y)
