@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 _LEAST_ROWS = 12
 _HARMONICS = 36  # of ripples looked for: the catalogue's realistic range
 _NORMAL_MAD = 1.4826  # standard deviation over median absolute deviation
+_CLIPS, _CLIPPED = 5, 4.0  # rounds in which what is so many standard deviations out is left out
 _MOST_CORNERS = 400
 _BENT = 4.0  # standard deviations of chi-squared
 _STEPS = 3  # to a late start's delay
@@ -83,7 +84,12 @@ def _noise(time: Array, angle: Array, off: Array) -> float:
     bend /= np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
     steps = np.abs(np.diff(np.unique(np.round(angle % 1.0, 9))))
     rounding = float(steps[steps > 0.0].min()) / np.sqrt(12.0) if np.any(steps > 0.0) else 0.0
-    return max(_NORMAL_MAD * float(np.median(np.abs(bend))), rounding, 1e-9)
+    least = max(rounding, 1e-9)
+    noise = max(_NORMAL_MAD * float(np.median(np.abs(bend))), least)
+    # of rounded rows the median has few values: what is within a few of it has the right one
+    for _ in range(_CLIPS):
+        noise = max(float(np.sqrt(np.mean(np.square(bend[np.abs(bend) <= _CLIPPED * noise])))), least)
+    return noise
 
 
 def _of_catalogue(time: Array, off: Array, profile: Profile, tolerance: float) -> Array:

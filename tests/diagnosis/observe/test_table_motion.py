@@ -104,3 +104,11 @@ def test_a_spin_up_is_followed_within_the_logs_noise() -> None:
     assert np.max(np.abs(found.departure.rate_at(TIME[still]))) < 1e-4
     quiet = (found.departure.time_s > 4.5) & (found.departure.time_s < 39.5)
     assert quiet.sum() < 3
+
+
+def test_noise_of_the_size_of_a_step_of_the_encoder_is_no_motion() -> None:
+    """Rounded readings have few values, and so has any median of them: it may be far off the noise."""
+    still, time = Profile(np.array([0.0]), np.array([300.0])), np.arange(301.0)
+    for seed in range(400):
+        angle = np.round(np.random.default_rng(seed).normal(0.0, 1e-4, time.size), 4)
+        assert table_motion(TableLog(time, angle), still) is None
