@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.causes import UNSEEN, Cause
 from fogreduce.diagnosis.inference.departures import departures
-from fogreduce.diagnosis.inference.instants import timed
+from fogreduce.diagnosis.inference.instants import ends, timed
 from fogreduce.diagnosis.inference.model import DELAYS, Model, modelled, modelled_change, sample_step
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener
 from fogreduce.diagnosis.observe.capture import RunInput
@@ -188,7 +188,7 @@ def _descended(
         )
         damping, better = 1.0, False
         while damping > 0.05:
-            moved = _moved(model.causes, damping * step)
+            moved = _moved(gap.inputs, model.causes, damping * step)
             trial = modelled(gap.inputs, moved, gap.whiten, gap.nominal, whole)
             found = gap.chi2(trial.change)
             if found <= chi2 + 1e-9:
@@ -276,13 +276,15 @@ def _weak(cause: Cause) -> Array:
     return out
 
 
-def _moved(causes: Sequence[Cause], step: Array) -> list[Cause]:
+def _moved(inputs: Sequence[RunInput], causes: Sequence[Cause], step: Array) -> list[Cause]:
     out, k = [], 0
     for cause in causes:
         if cause.slow:
             theta = dict(cause.theta)
             for name in theta:
                 theta[name] = _within(cause, name, theta[name] + float(step[k]))
+                if name == "time_s":
+                    theta[name] = float(np.clip(theta[name], *ends(inputs, cause)))
                 k += 1
             cause = replace(cause, theta=theta)
         out.append(cause)

@@ -25,6 +25,17 @@ _BLOCKS = 2.0  # how far from where it was found, beside the longest rise
 _QUANTILES = -np.log1p(-(np.arange(4) + 0.5) / 4.0)  # of an exponential rise: it is a mixture of sudden steps
 
 
+def ends(inputs: Sequence[RunInput], cause: Cause) -> tuple[float, float]:
+    """The first and last instant at which a bias can have stepped: with a block of its run on either side.
+
+    What was there from the start on is no step.
+    """
+    blocks = [one.scene.blocks for one in inputs if one.facts.run_id in cause.runs]
+    return max((b.length_s for b in blocks), default=-np.inf), min(
+        ((b.count - 1) * b.length_s for b in blocks), default=np.inf
+    )
+
+
 def timed(inputs: Sequence[RunInput], cause: Cause, whiten: Whitener, metric: Metric, left: Array) -> Cause:
     """A step at its most probable instant, the error of that in its standard deviations.
 
@@ -46,12 +57,12 @@ def timed(inputs: Sequence[RunInput], cause: Cause, whiten: Whitener, metric: Me
     longest = max(priors.RISE_S)
     far = _BLOCKS * length
     # of a step that comes slowly, quantiles lie later; where it is sudden the instant is later than it began
-    end = one.scene.blocks.count * length
+    first, last = ends(inputs, cause)
     step = length / _PER_BLOCK
     start = cause.theta["time_s"] - far - longest
     times = np.arange(start, cause.theta["time_s"] + far + longest * (1.0 + _QUANTILES[-1]) + step, step)
-    columns = _steps(one, run, gyro, cause, whiten, np.clip(times, 0.0, end))
-    near = (np.abs(times - cause.theta["time_s"]) <= far) & (times > 0.0) & (times < end)
+    columns = _steps(one, run, gyro, cause, whiten, np.clip(times, first, last))
+    near = (np.abs(times - cause.theta["time_s"]) <= far) & (times >= first) & (times <= last)
     if not near.any():
         return cause
     logs, sizes = _gained(metric, columns, left)
@@ -59,7 +70,7 @@ def timed(inputs: Sequence[RunInput], cause: Cause, whiten: Whitener, metric: Me
     off, gains, weights = [times[near] - times[best]], [logs[near]], [np.ones(int(near.sum()))]
     for rise in (r for r in priors.RISE_S if r > step):
         at = np.rint(rise * _QUANTILES / step).astype(np.intp)
-        begins = np.flatnonzero((times > 0.0) & (times <= times[best] + far))
+        begins = np.flatnonzero((times >= first) & (times <= times[best] + far))
         begins = begins[begins + at[-1] < len(times)]
         slow = columns[:, begins[:, None] + at].mean(axis=2)
         off.append(times[begins] - times[best])
@@ -69,7 +80,7 @@ def timed(inputs: Sequence[RunInput], cause: Cause, whiten: Whitener, metric: Me
     gain = np.concatenate(gains)
     weight = np.exp(gain - gain.max()) * np.concatenate(weights)
     error = float(np.sqrt(weight @ np.concatenate(off) ** 2 / weight.sum() + step**2 / 12.0))
-    finer = np.clip(times[best] + step * np.linspace(-1.0, 1.0, 2 * _FINER + 1), step / _FINER, end)
+    finer = np.clip(times[best] + step * np.linspace(-1.0, 1.0, 2 * _FINER + 1), first, last)
     logs, sizes = _gained(metric, _steps(one, run, gyro, cause, whiten, finer), left)
     best = int(np.argmax(logs))
     theta = {**cause.theta, "time_s": float(finer[best]), "deg_h": float(sizes[best])}

@@ -374,7 +374,8 @@ def _sizes(cause: Cause, scales: Sequence[str]) -> Array:
 def _cell(cause: Cause, name: str, search: Search) -> float:
     """How far a parameter of shape may be from where it was found: a cell of its grid."""
     if name == "time_s":
-        return search.data.inputs[0].scene.blocks.length_s
+        # by more than its error it would be free to have begun with the run
+        return min(search.data.inputs[0].scene.blocks.length_s, cause.std.get(name, np.inf))
     return _CELL * abs(cause.theta[name])
 
 

@@ -39,14 +39,15 @@ def verdict_of_sets(search: Search) -> Verdict:
         unknown = 1.0
     gone = {key for one in left if one.probability >= 0.5 for key in one.instead}
     gone |= _unheard(posterior)
+    disowned = {c.key for c in state.causes if c.process} & gone
     if gone:
         kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
         numbers = {k: number for number, k in enumerate(kept)}
         state = search.state([state.causes[k] for k in kept], state.ground)
         named = [replace(one, index=numbers[one.index]) for one in named if one.index in numbers]
     state = _led(search, state, named)
-    if posterior.unclosed:
-        # what is left there is held against the noise of the record
+    if posterior.unclosed or disowned:
+        # what is left there is held against the noise of the record and of the causes
         base = [c for c in state.causes if c.process or c.key in state.ground.base]
         state = search.state(state.causes, search.ground_of(base), refine=False)
     word = "explained" if unknown < 0.5 else "partly_explained"

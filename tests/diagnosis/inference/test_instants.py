@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from bench_lab import lab, simulated
 
 from fogreduce.diagnosis.diagnose import diagnose
+from fogreduce.diagnosis.inference.causes import Cause
+from fogreduce.diagnosis.inference.search import Search
+from fogreduce.diagnosis.observe.data import read_data
+from fogreduce.effects.table import EFFECTS
 
 
 def test_steps_are_found_within_their_errors_and_close(tmp_path) -> None:
@@ -33,3 +39,13 @@ def test_steps_are_found_within_their_errors_and_close(tmp_path) -> None:
     assert max(np.abs(deviates)) < 2.6
     assert max(errors) < 0.7
     assert all(held)
+
+
+def test_what_a_run_begins_with_is_no_step(tmp_path: Path) -> None:
+    """A constant in one run: the step that comes nearest has a block of the run before it all the same."""
+    lab(tmp_path)
+    put = [{"effect": "turn_on_bias", "channels": ["gyro1"], "runs": ["r1"], "parameters": {"deg_h": 6.0}}]
+    search = Search(read_data(simulated(tmp_path, put), tmp_path / "cal"), frozenset(EFFECTS))
+    step = Cause("bias_step", ("gyro1",), ("r1",), {"deg_h": 6.0, "time_s": 1.5}, {}, {})
+    (found,) = search.state([step], search.ground).causes
+    assert found.theta["time_s"] >= search.data.inputs[1].scene.blocks.length_s
