@@ -6,6 +6,7 @@ found, and in the stead of all the causes that sit there.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,10 +14,13 @@ import numpy as np
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.hierarchy import Kind
 from fogreduce.diagnosis.inference.options import Option, log_prior_of
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.sets import CauseSet
 from fogreduce.diagnosis.inference.slow import SlowPosterior
+
+_TABLE = ("table",)
 
 
 @dataclass(frozen=True)
@@ -50,18 +54,54 @@ def unknowns(search: Search, posterior: SlowPosterior) -> list[Unknown]:
         families = _better_fits(_families(search, posterior, less, channels), posterior, less)
         odds = _odds(families).get(channels, -np.inf)
         out.append(Unknown(channels, _probability(odds - lost), frozenset(keys[entry] for entry in gone)))
-    out += [_in_place_of_process(search, posterior, c) for c in posterior.given if c.process]
+    out += _rotations(search, posterior, keys)
+    by_place: dict[tuple[str, ...], list[Cause]] = {}
+    for cause in posterior.given:
+        if cause.process:
+            by_place.setdefault(cause.channels, []).append(cause)
+    for mine in by_place.values():
+        several = [mine] if len(mine) > 1 else []
+        out += [_in_place_of(search, posterior, these) for these in [*([one] for one in mine), *several]]
     return out
 
 
-def _in_place_of_process(search: Search, posterior: SlowPosterior, process: Cause) -> Unknown:
-    """Something unknown at a gyro against a process of the catalogue, in a noise that has neither."""
-    others = [c for c in posterior.state.causes if c.key != process.key]
-    state = search.state(others, search.ground_of([c for c in others if c.process]), refine=False)
-    here = [o for o in search.options(state) if o.source.channels == process.channels]
-    own = max((o.score for o in here if o.key == process.key), default=-np.inf)
-    odds = _odds(here).get(process.channels, -np.inf) - priors.LOG_FURTHER
-    return Unknown(process.channels, _probability(odds - own), frozenset({process.key}))
+def _rotations(
+    search: Search, posterior: SlowPosterior, keys: Mapping[int, tuple[object, ...]]
+) -> Iterator[Unknown]:
+    """An unknown rotation in the stead of causes of one kind at several gyros, of more numbers than it has:
+    that these make one rotation would be chance.
+    """
+    by_kind: dict[Kind, set[int]] = {}
+    for entry in keys:
+        by_kind.setdefault(posterior.sets.kind(entry), set()).add(entry)
+    for gone in (entries for entries in by_kind.values() if len(entries) > 1):
+        less = posterior.sets.without(posterior.best, gone)
+        numbers = len(posterior.best.fit.columns) - len(less.fit.columns)
+        fewer = [
+            o
+            for o in _families(search, posterior, less, _TABLE)
+            if o.fit is not None and o.fit.candidate.columns.shape[2] < numbers
+        ]
+        odds = _odds(fewer).get(_TABLE, -np.inf)
+        lost = posterior.best.score - less.score
+        yield Unknown(_TABLE, _probability(odds - lost), frozenset(keys[entry] for entry in gone))
+
+
+def _in_place_of(search: Search, posterior: SlowPosterior, processes: Sequence[Cause]) -> Unknown:
+    """Something unknown at a gyro against processes of the catalogue there, in a noise that has none of them:
+    two of them together do what one of another spectrum does.
+    """
+    channels, gone = processes[0].channels, frozenset(c.key for c in processes)
+    causes = [c for c in posterior.state.causes if c.key not in gone]
+    own, odds = -priors.LOG_FURTHER, -np.inf
+    for process in processes:
+        state = search.state(causes, search.ground_of([c for c in causes if c.process]), refine=False)
+        here = [o for o in search.options(state) if o.source.channels == channels]
+        if process is processes[0]:
+            odds = _odds(here).get(channels, -np.inf) - priors.LOG_FURTHER
+        own += priors.LOG_FURTHER + max((o.score for o in here if o.key == process.key), default=-np.inf)
+        causes.append(process)
+    return Unknown(channels, _probability(odds - own), gone)
 
 
 def _families(
