@@ -54,7 +54,7 @@ def unknowns(search: Search, posterior: SlowPosterior) -> list[Unknown]:
         families = _better_fits(_families(search, posterior, less, channels), posterior, less)
         odds = _odds(families).get(channels, -np.inf)
         out.append(Unknown(channels, _probability(odds - lost), frozenset(keys[entry] for entry in gone)))
-    out += _rotations(search, posterior, keys)
+    out += _rotations(posterior, keys)
     by_place: dict[tuple[str, ...], list[Cause]] = {}
     for cause in posterior.given:
         if cause.process:
@@ -65,9 +65,7 @@ def unknowns(search: Search, posterior: SlowPosterior) -> list[Unknown]:
     return out
 
 
-def _rotations(
-    search: Search, posterior: SlowPosterior, keys: Mapping[int, tuple[object, ...]]
-) -> Iterator[Unknown]:
+def _rotations(posterior: SlowPosterior, keys: Mapping[int, tuple[object, ...]]) -> Iterator[Unknown]:
     """An unknown rotation in the stead of causes of one kind at several gyros, of more numbers than it has:
     that these make one rotation would be chance.
     """
@@ -79,7 +77,7 @@ def _rotations(
         numbers = len(posterior.best.fit.columns) - len(less.fit.columns)
         fewer = [
             o
-            for o in _families(search, posterior, less, _TABLE)
+            for o in _shapes(posterior, Field.of(*posterior.beside(less)), _TABLE)
             if o.fit is not None and o.fit.candidate.columns.shape[2] < numbers
         ]
         odds = _odds(fewer).get(_TABLE, -np.inf)
@@ -107,15 +105,19 @@ def _in_place_of(search: Search, posterior: SlowPosterior, processes: Sequence[C
 def _families(
     search: Search, posterior: SlowPosterior, less: CauseSet, channels: tuple[str, ...]
 ) -> list[Option]:
-    """Families of the unknown at a place beside a set, held against what the set itself was."""
-    ground = posterior.state.ground
+    """Families and processes of the unknown at a place beside a set, held against what the set itself was."""
     field = Field.of(*posterior.beside(less))
-    fits = [fit for fit in ground.families.fits(field) if fit.candidate.channels == channels]
-    out = [Option(fit, None, fit.log_b, log_prior_of(False, fit.candidate.share), fit.log_b) for fit in fits]
-    for f in ground.processes.findings(field, search.allowed):
+    out = _shapes(posterior, field, channels)
+    for f in posterior.state.ground.processes.findings(field, search.allowed):
         if f.channels == channels and not f.known:
             out.append(Option(None, f, f.log_b, log_prior_of(False, f.share), f.log_b))
     return out
+
+
+def _shapes(posterior: SlowPosterior, field: Field, channels: tuple[str, ...]) -> list[Option]:
+    """Families of the unknown at a place, held against a field."""
+    fits = [fit for fit in posterior.state.ground.families.fits(field) if fit.candidate.channels == channels]
+    return [Option(fit, None, fit.log_b, log_prior_of(False, fit.candidate.share), fit.log_b) for fit in fits]
 
 
 def _better_fits(options: list[Option], posterior: SlowPosterior, less: CauseSet) -> list[Option]:
