@@ -27,7 +27,9 @@ NORMAL = 1.4826  # standard deviation over median absolute deviation of normal d
 ASLEEP = 0.1  # of the usual noise: a converter at its rail
 #: In a slow log the lower half of a piece's lines is left out: block means of two samples show that.
 _SLOW_PIECE, _SLOW_PIECES = 32, 16
-_CALM = 2.0  # times the usual power of a piece: more is an edge or a glitch, not noise
+#: A piece of more than so many times the usual power is an edge or a glitch, not noise; where a piece has few
+#: lines, of more than noise reaches by so many standard deviations.
+_CALM, _CALM_SIGMA = 2.0, 3.5
 
 
 @dataclass(frozen=True)
@@ -182,7 +184,7 @@ def averaged_spectrum(filled: Array, rate_hz: float) -> tuple[float, Array, Arra
         strength, axis=1, keepdims=True
     )  # of each line: where few are strong, chance rules them
     strength = np.mean(strength / np.maximum(usual, 1e-300), axis=2)
-    calm = np.all(strength <= _CALM * np.median(strength, axis=1, keepdims=True), axis=0)
+    calm = np.all(strength <= _most(lines.shape[2]) * np.median(strength, axis=1, keepdims=True), axis=0)
     if calm.sum() < 4:
         calm[:] = True
     parts, pieces = parts[:, :, calm], int(calm.sum())
@@ -193,6 +195,17 @@ def averaged_spectrum(filled: Array, rate_hz: float) -> tuple[float, Array, Arra
     power: Array = np.diagonal(cross, axis1=1, axis2=2).T.copy()
     frequency = np.asarray(np.fft.rfftfreq(length)[first:-1], np.float64)
     return _side_by_side(calm, window), frequency, power, cross
+
+
+def _most(lines: int) -> float:
+    """Power of a piece over the usual, up to which it may be noise.
+
+    That of so many lines has chi-squared's scatter, of 4/3 degrees a line: the taper makes neighbours alike.
+    Wilson and Hilferty (1931, PNAS 17, 684): the cube root of chi-squared over its degrees n is normal about
+    1 - 2 / 9 n, with that variance 2 / 9 n.
+    """
+    variance = 2.0 / (9.0 * lines * 4.0 / 3.0)
+    return max(_CALM, float(1.0 + _CALM_SIGMA * np.sqrt(variance) / (1.0 - variance)) ** 3)
 
 
 def _side_by_side(calm: NDArray[np.bool_], window: Array) -> float:

@@ -38,3 +38,19 @@ def test_of_a_steep_spectrum(tau_ms: float) -> None:
     # a standard deviation of 200 numbers scatters by 5 %
     noise = np.random.default_rng(2).standard_normal((RUNS, SIZE))
     assert np.all(scatter(lfilter([1.0 - q], [1.0, -q], noise)) < 1.15)
+
+
+@pytest.mark.parametrize("rate_hz", [0.1, 100.0])
+def test_the_level_of_white_noise_is_right_in_pieces_of_few_lines_too(rate_hz: float) -> None:
+    """Of a slow log's seven lines chance alone makes some pieces twice as strong as usual."""
+    noise = np.random.default_rng(4).standard_normal((2, 100_000))
+    pieces, _, power, _ = averaged_spectrum(noise, rate_hz)
+    error = 1.0 / np.sqrt(pieces * power.shape[1])
+    assert power.mean(axis=1) == pytest.approx(np.ones(2), abs=4.0 * error)
+
+
+def test_a_piece_with_a_glitch_is_left_out() -> None:
+    noise = np.random.default_rng(5).standard_normal((1, 20_000))
+    noise[0, 5000:5003] += 40.0
+    _, _, power, _ = averaged_spectrum(noise, 0.1)
+    assert power.mean() == pytest.approx(1.0, abs=0.05)
