@@ -18,6 +18,7 @@ from fogreduce.diagnosis.which.full_rate.line import Line, frequency_std, measur
 from fogreduce.diagnosis.which.full_rate.line_candidates import Candidate, best_lines, gyro_logs, motion_logs
 from fogreduce.diagnosis.which.full_rate.line_spectra import SKIRT, Spectra
 from fogreduce.diagnosis.which.full_rate.mixing import mixed
+from fogreduce.diagnosis.which.full_rate.same_line import once_each
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.metadata.facts import RunFacts
 
@@ -31,9 +32,9 @@ _MOST = 60  # lines of one sample rate: a bound on a loop that ends by itself
 def without_lines(
     residuals: Sequence[Array], facts: Sequence[RunFacts]
 ) -> tuple[list[Array], tuple[Line, ...]]:
-    """Residuals less the lines in them, and the lines: runs of one sample rate have their own.
+    """Residuals less the lines in them, and the lines: looked for in runs of one sample rate at a time.
 
-    A line above half the sample rate shows elsewhere at another rate.
+    A line above half the sample rate shows elsewhere at another rate; one below it is the same in all.
 
     Parameters
     ----------
@@ -48,13 +49,13 @@ def without_lines(
         spectra = Spectra.of([residuals[r] for r in here], [facts[r] for r in here])
         if spectra is None:
             continue
-        runs = ("*",) if len(set(rates)) == 1 else tuple(facts[r].run_id for r in here)
+        runs = tuple(facts[r].run_id for r in here)
         found = _found(spectra)
         lines += [replace(line, runs=runs, share=line.share / len(set(rates))) for line in found]
         for r, streams in zip(here, spectra.streams, strict=True):
             if any(line.taken for line in found):
                 out[r] = np.array([stream.residual for stream in streams])
-    return out, tuple(lines)
+    return out, tuple(once_each(lines, [one.run_id for one in facts]))
 
 
 def _found(spectra: Spectra) -> list[Line]:

@@ -43,6 +43,24 @@ def test_a_motion_is_one_line_of_all_gyros() -> None:
     assert np.abs(np.array(line.axis) @ axis) > 0.9999
 
 
+@pytest.mark.parametrize("moved", [False, True])
+def test_a_line_that_runs_of_two_rates_show_is_named_once(moved: bool) -> None:
+    rng, axis = np.random.default_rng(7), np.array([0.3, 0.5, 0.8]) / np.sqrt(0.98)
+    facts = [Facts("r1", FOUR, 100.0), Facts("r2", FOUR, 64.0)]
+    streams = [NOISE * rng.standard_normal((4, N)) for _ in facts]
+    for stream, rate in zip(streams, (100.0, 64.0), strict=True):
+        swing = 3.0 * np.sin(2.0 * np.pi * 9.11 / rate * np.arange(N))
+        stream += (FOUR @ axis)[:, None] * swing if moved else np.eye(4)[:, 1:2] * swing
+    _, lines = without_lines(streams, facts)  # type: ignore[arg-type]
+    (one,) = [line for line in lines if line.taken]
+    assert one.runs == ("*",)
+    assert one.channels == (("table",) if moved else ("gyro2",))
+    assert abs(one.hz - 9.11) < 3.0 * one.hz_std
+    assert abs(one.deg_h - 3.0) < 3.5 * one.std
+    if one.axis is not None:
+        assert abs(np.array(one.axis) @ axis) > 0.999
+
+
 def test_lines_of_one_frequency_that_no_motion_makes() -> None:
     streams = quiet(3)
     for r, one in enumerate(streams):
