@@ -40,6 +40,7 @@ _MEASURE = (
     "which the gap shows and of those that the causes change"
 )
 _DEALS = 300  # stretches of a run, dealt in turn: short ones, so that either fold knows when a bias stepped
+_MOST_FEATURES = 30  # columns of one place
 
 
 @dataclass(frozen=True)
@@ -162,7 +163,7 @@ def scatter(before: Sum, after: Sum, expected: float) -> float:
 def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) -> Closure:
     """Closure of the causes, over the places at which the gap was found."""
     data = search.data
-    families = [p.family for p in found if p.family is not None]
+    families = few_columned(found)
     slow = [_at_its_instant(c) for c in causes if c.slow]
     sums = _Sums()
     if families or slow:
@@ -170,7 +171,8 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     alone: dict[Key, tuple[float, float]] = {}
     held_out = _held_out(data, causes) if families or slow else ""
     # a random process that block means were held against is in their noise
-    fast = [c for c in causes if c.finding is not None and not (held_out and c.process)]
+    seats = {one.channels for one in families} | {one.channels for one in slow}
+    fast = [c for c in causes if c.finding is not None and not (c.process and c.channels in seats)]
     halves: list[bool] = []
     for cause in fast:
         pair = _fast_closure(data, cause, search.allowed)
@@ -334,6 +336,12 @@ def _features(
     return np.column_stack([slopes, *shown])
 
 
+def few_columned(found: Sequence[Place]) -> list[Candidate]:
+    """Families of places that features are taken of: of few columns, for many count noise more than a gap."""
+    families = [p.family for p in found if p.family is not None]
+    return [family for family in families if family.columns.shape[2] <= _MOST_FEATURES]
+
+
 def _coloured(ground: Whitener, white: Array) -> Array:
     """Whitened columns before they were whitened."""
     out = np.empty_like(white)
@@ -363,8 +371,9 @@ def _placebo(search: Search, slow: Sequence[Cause], fitted: Part, held: Part) ->
 def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[float, float] | None:
     """Before and after of a full-rate cause: its first number, fitted on every other run, on the rest.
 
-    Before: twice the ln likelihood that both halves gain; after: how far its number on one half is from that
-    on the other, squared, in standard deviations of their difference. None where a half does not show it.
+    Before: twice the ln likelihood that it gains over all runs, whose halves share what a record leaves open;
+    after: how far its number on one half is from that on the other, squared, in standard deviations of their
+    difference. None where a half does not show it.
     """
     if len(data.full) < 2 or cause.finding is None:
         return None
@@ -381,7 +390,7 @@ def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[fl
     stds = [max(float(f.parameters[name][1] or 0.0), least) for f in found]
     apart = float(found[0].parameters[name][0]) - float(found[1].parameters[name][0])
     after = 0.25 * apart**2 * (stds[0] ** -2 + stds[1] ** -2)
-    return found[0].snr2 + found[1].snr2 + 1.0, after
+    return cause.finding.snr2 + 1.0, after
 
 
 def _as_fitted(cause: Cause) -> tuple[float, float]:

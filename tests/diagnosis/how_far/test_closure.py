@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from bench_lab import diagnosed, lab, simulated
 
-from fogreduce.diagnosis.how_far.closure import Closure, Sum, scatter
+from fogreduce.diagnosis.how_far.closure import Closure, Sum, few_columned, scatter
+from fogreduce.diagnosis.inference.candidate import Candidate
+from fogreduce.diagnosis.where.places import Place
 
 
 def test_a_gap_that_closes_to_its_expectation_is_closed() -> None:
@@ -61,19 +63,39 @@ def test_statistics_of_the_full_rate_have_errors_of_their_own() -> None:
     assert scatter(before, after, 2.0) == pytest.approx(2.0 * np.hypot(9.0, 3.0) / 1000.0, rel=0.1)
 
 
-def test_a_link_that_loses_readings_closes_its_own_part_beside_an_offset(tmp_path: Path) -> None:
-    """Parts in the ratio of what each gains in ln likelihood over all runs, not over half of them."""
+def place(channel: str, columns: int) -> Place:
+    steps, whole = np.ones((1, columns)), np.zeros((9, 1, columns))
+    family = Candidate("unknown", (channel,), ("*",), slice(0, 9), whole, ({},), ("",) * columns, steps)
+    return Place("gyro", (channel,), ("r1",), "low_frequency", 9.0, 90.0, columns, family)
+
+
+def test_a_gap_of_many_shapes_is_no_feature() -> None:
+    """Its noise would hide it: a process that alone shows there closes what it gains in ln likelihood."""
+    modes, mean = place("gyro2", 80), place("gyro3", 1)
+    assert few_columned([modes, mean]) == [mean.family]
+
+
+@pytest.mark.parametrize(
+    ("effect", "feature", "parameters"),
+    [("dropouts", "missing", {"fraction": 6e-4}), ("angle_random_walk", "white", {"deg_sqrt_h": 3.2e-3})],
+)
+def test_what_the_full_rate_shows_closes_its_own_part_beside_an_offset(
+    tmp_path: Path, effect: str, feature: str, parameters: dict
+) -> None:
+    """Parts in the ratio of what each gains in ln likelihood over all runs, not over half of them: halves
+    share the doubt of a record's white noise.
+    """
     lab(tmp_path)
     put = [
         {"effect": "bias_offset", "channels": ["gyro2"], "runs": ["*"], "parameters": {"deg_h": 0.8}},
-        {"effect": "dropouts", "channels": ["gyro3"], "runs": ["*"], "parameters": {"fraction": 6e-4}},
+        {"effect": effect, "channels": ["gyro3"], "runs": ["*"], "parameters": parameters},
     ]
     out = diagnosed(tmp_path, simulated(tmp_path, put))
     part = {c["effect"]: c["closure"]["alone"] for c in out["causes"]}
     shares = {w["feature"]: w["share"] for w in out["where"]}
-    assert part["bias_offset"] + part["dropouts"] == pytest.approx(1.0, abs=0.05)
-    assert part["dropouts"] == pytest.approx(shares["missing"], abs=0.05)
-    assert 0.1 < part["dropouts"] < 0.9
+    assert part["bias_offset"] + part[effect] == pytest.approx(1.0, abs=0.05)
+    assert part[effect] == pytest.approx(shares[feature], abs=0.05)
+    assert 0.1 < part[effect] < 0.9
 
 
 def test_a_step_closes_though_neither_fold_holds_its_instant_alone(tmp_path: Path) -> None:
