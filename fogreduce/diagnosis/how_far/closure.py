@@ -1,11 +1,11 @@
 """How far the gap closes on blocks that were not fitted, with the causes simulated again.
 
 Each run's blocks are dealt in turn to two folds; causes are fitted on one and held against the other, both
-ways.
-What is summed are the squared deviates of the features in which the gap shows and of those that the causes
-change, as the catalogue has them and as they may depart from it, noise and stated uncertainties in their
-metric, weighed so that both folds together count as all blocks do (`measure`). Beside them stand statistics
-of the full rate, each with twice the ln likelihood that its cause gains.
+ways. What is summed are the squared deviates of what the causes change and, where something shows there
+beside them, of the places of the gap and of departures from the causes' shapes: what shows nothing would add
+noise alone. Noise and stated uncertainties are in their metric, weighed so that both folds together count as
+all blocks do (`measure`). Beside them stand statistics of the full rate, each with twice the ln likelihood
+that its cause gains.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from fogreduce.diagnosis.inference.departures import departures
 from fogreduce.diagnosis.inference.evidence import Field
 from fogreduce.diagnosis.inference.fitted import refined
 from fogreduce.diagnosis.inference.ground import processes_of
-from fogreduce.diagnosis.inference.model import modelled, modelled_change
+from fogreduce.diagnosis.inference.model import changes_of, modelled, modelled_change
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener, nuisances, whitener
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.observe.data import Data
@@ -313,10 +313,7 @@ def _shapes(data: Data, slow: Sequence[Cause], rows: Rows) -> Array:
 def _features(
     search: Search, families: Sequence[Candidate], slow: Sequence[Cause], shapes: Array, whole: Part
 ) -> Array:
-    """Columns (rows, m) [deg/h] of what the causes change, and of what shows beside it: places, departures.
-
-    What does not show there would add its noise to the gap, and nothing that is in it.
-    """
+    """Columns (rows, m) [deg/h] of what the causes change, and of what shows beside: places, departures."""
     ground = search.ground.whiten
     model = modelled(search.data.inputs, slow, ground, search.ground.nominal)
     wholes = [model.slopes]
@@ -329,6 +326,10 @@ def _features(
     slopes, *places = np.split(plain, np.cumsum([w.shape[1] for w in wholes])[:-1], axis=1)
     if not slow:
         return np.column_stack([slopes, *places])
+    # what no number scales, or not in proportion, slopes do not have
+    changes = changes_of(search.data.inputs, slow, ground.rows)
+    white, beside = whole.whiten(changes), whole.metric.beside(whole.whiten(slopes))
+    slopes = np.column_stack([slopes, changes[:, np.diag(beside.gram(white, white)) > 1.0]])
     change = modelled_change(search.data.inputs, slow, whole.whiten, search.ground.nominal)
     left = Field.of(whole.metric.beside(whole.whiten(slopes)), whole.y - change)
     shown = [columns for columns in places if shows(left, whole.whiten(columns), 0.0)]

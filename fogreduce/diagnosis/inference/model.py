@@ -91,3 +91,10 @@ def modelled_change(
 ) -> Array:
     """What causes change, whitened (rows,)."""
     return whiten((simulated(inputs, causes, whiten.rows) - nominal)[:, None])[:, 0]
+
+
+def changes_of(inputs: Sequence[RunInput], causes: Sequence[Cause], rows: Rows) -> Array:
+    """All that each cause changes beside the others, (rows, causes) [deg/h]."""
+    every = simulated(inputs, causes, rows)
+    less = [simulated(inputs, [c for c in causes if c is not one], rows) for one in causes]
+    return every[:, None] - np.column_stack(less)

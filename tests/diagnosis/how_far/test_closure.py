@@ -120,3 +120,11 @@ def test_what_shows_no_gap_adds_no_noise_to_it(tmp_path: Path) -> None:
     assert [c["effect"] for c in out["causes"]] == ["bias_offset"]
     assert out["closure"]["expected_if_closed"] < 3.0
     assert out["closure"]["fraction"] == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_wrong_sense_that_no_number_scales_closes(tmp_path: Path) -> None:
+    lab(tmp_path)
+    put = [{"effect": "polarity_error", "channels": ["gyro2"], "runs": ["*"], "parameters": {}}]
+    out = diagnosed(tmp_path, simulated(tmp_path, put))
+    assert out["verdict"] == "explained"
+    assert out["closure"]["fraction"] == pytest.approx(1.0, abs=0.03)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.which.full_rate.line_candidates import Candidate, moved_log, shown_log
 from fogreduce.diagnosis.which.full_rate.line_spectra import Spectra
 from fogreduce.effects.gyro_names import gyro_name
@@ -15,7 +16,10 @@ from fogreduce.effects.gyro_names import gyro_name
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_DRIFTS = 0.05  # of a spectrum's resolution: a real line is not quite steady
+#: How far the mean frequency is from that at a run's ends where a steady drift departs from a steady line by
+#: as much as an effect may from its shape, in a spectrum's resolution: phases ``pi k t^2`` are that share
+#: about their mean, ``pi k T^2 / (6 sqrt(5))`` root mean square.
+_DRIFTS = 0.5 * priors.DEPARTURE * 6.0 * np.sqrt(5.0) / np.pi
 
 
 @dataclass(frozen=True)
