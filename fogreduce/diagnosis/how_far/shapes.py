@@ -1,8 +1,9 @@
 """Causes that together do what one cause of another shape does.
 
 A cause that does nothing but what a departure from another's shape does (a slope of temperature, what a coil
-late behind its sensor adds to a bias) shows that departure. Several causes at one place of which none has a
-size of its own stand for a shape that the catalogue has not: they are not judged present.
+late behind its sensor adds to a bias) shows that departure. One without a size of its own, beside one that a
+temperature drives and which may depart from its shape by more, is such a departure; several causes of a place
+of which none has a size stand for a shape that the catalogue has not. They are not judged present.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
 from fogreduce.diagnosis.inference.departures import lateness
 from fogreduce.diagnosis.inference.ground import State
@@ -31,17 +33,23 @@ _MOSTLY = 0.8  # cosine between what a cause does and what lateness of another d
 
 
 def without_imitations(search: Search, verdict: Verdict) -> Verdict:
-    """The verdict less causes at one place, three or more, of which none has a size of its own."""
+    """The verdict less causes without a size of their own: three and more of a place that are all there is,
+    or smaller ones than what a temperature drives there may depart by.
+    """
     by_place: dict[tuple[str, ...], list[Cause]] = {}
     for cause in verdict.state.causes:
         if cause.slow and cause.theta and cause.std:
             by_place.setdefault(cause.channels, []).append(cause)
-    gone = {
-        c.key
-        for causes in by_place.values()
-        if len(causes) >= _SEVERAL and all(_sizes(c) < _SIZED for c in causes)
-        for c in causes
-    }
+    gone, alone = set(), False
+    for causes in by_place.values():
+        unsized = [c for c in causes if _sizes(c) < _SIZED]
+        if len(unsized) == len(causes) >= _SEVERAL:
+            gone |= {c.key for c in unsized}
+            alone = True
+        warm = [c for c in causes if EFFECTS[c.effect].needs_temperature and c not in unsized]
+        if warm and unsized:
+            most = priors.WARM_DEPARTURE * max(_strength(search, c) for c in warm)
+            gone |= {c.key for c in unsized if _strength(search, c) < most}
     if not gone:
         return verdict
     state = verdict.state
@@ -49,8 +57,9 @@ def without_imitations(search: Search, verdict: Verdict) -> Verdict:
     numbers = {k: number for number, k in enumerate(kept)}
     state = search.state([state.causes[k] for k in kept], state.ground)
     named = tuple(replace(one, index=numbers[one.index]) for one in verdict.named if one.index in numbers)
-    word = "partly_explained" if named else "unexplained"
-    unknown = max(verdict.unknown_probability, 0.5)
+    word, unknown = verdict.word, verdict.unknown_probability
+    if alone:
+        word, unknown = "partly_explained" if named else "unexplained", max(unknown, 0.5)
     return replace(
         verdict, word=word, unknown_probability=unknown, state=state, left=search.options(state), named=named
     )
@@ -71,14 +80,26 @@ def departed(search: Search, state: State) -> list[Place]:
     for other in warm:
         actions = [other.action(data.run_ids, data.n)]
         driven = _change(search, actions)
-        late = state.ground.whiten(lateness(data.inputs, actions, rows)[:, None])[:, 0]
+        late, start = lateness(data.inputs, actions, rows)
+        start = state.ground.whiten(start)
+        late = _without(start, state.ground.whiten(late[:, None])[:, 0])
         for one in (c for c in slow if c.channels == other.channels and c is not other):
-            change = _change(search, [one.action(data.run_ids, data.n)])
+            change = _without(start, _change(search, [one.action(data.run_ids, data.n)]))
             size = float(np.linalg.norm(change)) * float(np.linalg.norm(late))
             alike = float(change @ late) / max(size, 1e-300)
             if alike > _MOSTLY and change @ change < driven @ driven:
                 out.append(_place(one, data.run_ids))
     return out
+
+
+def _strength(search: Search, cause: Cause) -> float:
+    """Signal-to-noise ratio of all that a cause changes."""
+    return float(np.linalg.norm(_change(search, [cause.action(search.data.run_ids, search.data.n)])))
+
+
+def _without(columns: Array, change: Array) -> Array:
+    """A change (rows,) less what columns (rows, R) can make of it."""
+    return np.asarray(change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0])
 
 
 def _change(search: Search, actions: Sequence[Action]) -> Array:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from fogreduce.diagnosis.inference.noise_model import Rows
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.effects.selection import Action
 from fogreduce.effects.table import EFFECTS
+from fogreduce.estimate.smooth import smoothed
 
 Array = NDArray[np.float64]
 
@@ -27,6 +29,8 @@ Array = NDArray[np.float64]
 WANDERS = 0.025
 #: A coil's temperature: how late it follows its sensor [s], and how far its swing is from the sensor's.
 LATE_S, SWING = 8.0, 0.02
+#: What a log begins with, from which it is followed back [s].
+_BEGINS_S = 10.0
 #: Periods of the wandering, in lengths of a run.
 _PERIODS = (0.4, 0.5, 2.0 / 3.0, 1.0, 2.0)
 #: A second, slower decay: how much slower, and its share. A step's rise [s].
@@ -55,8 +59,15 @@ def departures(inputs: Sequence[RunInput], actions: Sequence[Action], which: int
         return effect.departures.knee * change[:, None]
     columns = [wandering(inputs, change, rows)]
     if effect.needs_temperature:
-        for felt in (_later, _at_start):
-            columns += _each_run(_felt(inputs, actions, here, felt), rows)
+        quiet = _felt(inputs, actions, here, _without_noise)
+        late, later = (
+            [felt - q for felt, q in zip(_felt(inputs, actions, here, way), quiet, strict=True)]
+            for way in (_later, partial(_later, by_s=2.0 * LATE_S))
+        )
+        # a lateness squared: what follows how fast a temperature changes bends within it
+        bent = [two - 2.0 * one for one, two in zip(late, later, strict=True)]
+        for changes in (quiet, late, bent, _felt(inputs, actions, here, _at_start)):
+            columns += _each_run(changes, rows)
         columns.append(SWING * change[:, None])
     for moved, share in _moved(actions, which):
         there = rows.stacked([one.scene.block_means(moved) for one in inputs])
@@ -64,10 +75,13 @@ def departures(inputs: Sequence[RunInput], actions: Sequence[Action], which: int
     return np.column_stack(columns)
 
 
-def lateness(inputs: Sequence[RunInput], actions: Sequence[Action], rows: Rows) -> Array:
-    """What it adds that a coil follows its sensor late, (rows,) [deg/h]."""
+def lateness(inputs: Sequence[RunInput], actions: Sequence[Action], rows: Rows) -> tuple[Array, Array]:
+    """What it adds that a coil follows its sensor late, (rows,) [deg/h]; and that each run counts from
+    another temperature at its start, (rows, R).
+    """
     here = [one.scene.block_means(actions) for one in inputs]
-    return rows.stacked(_felt(inputs, actions, here, _later))
+    late, start = (_felt(inputs, actions, here, felt) for felt in (_later, _at_start))
+    return rows.stacked(late), np.column_stack(_each_run(start, rows))
 
 
 def _moved(actions: Sequence[Action], which: int) -> list[tuple[list[Action], float]]:
@@ -133,13 +147,19 @@ def _at_start(log: TemperatureLog) -> TemperatureLog:
     return replace(log, sensor_degC=sensor)
 
 
-def _later(log: TemperatureLog) -> TemperatureLog:
-    """The log as a coil would follow it that is `LATE_S` behind; before its start as steadily as later."""
-    time = log.time_s
-    slope = (log.sensor_degC[-1] - log.sensor_degC[0]) / max(float(time[-1] - time[0]), 1e-9)
-    early = log.sensor_degC[0] + slope * (time - LATE_S - time[0])
-    seen = np.where(time - LATE_S >= time[0], log.sensor_at(time - LATE_S), early)
-    return replace(log, sensor_degC=seen)
+def _without_noise(log: TemperatureLog) -> TemperatureLog:
+    """The log less the white noise of its readings, which a coil does not feel."""
+    return replace(log, sensor_degC=smoothed(log.sensor_degC))
+
+
+def _later(log: TemperatureLog, by_s: float = LATE_S) -> TemperatureLog:
+    """The log, its noise gone, as a coil would follow it that is behind; before its start as it begins."""
+    log = _without_noise(log)
+    time, sensor = log.time_s, log.sensor_degC
+    begins = time <= time[0] + _BEGINS_S
+    slope = np.polyfit(time[begins] - time[0], sensor[begins], 1)[0] if begins.sum() > 1 else 0.0
+    early = sensor[0] + slope * (time - by_s - time[0])
+    return replace(log, sensor_degC=np.where(time - by_s >= time[0], log.sensor_at(time - by_s), early))
 
 
 def doubted(effect: str, name: str, value: float, std: float) -> float:

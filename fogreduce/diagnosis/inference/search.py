@@ -19,7 +19,7 @@ from fogreduce.diagnosis.inference.ground import Ground, State, processes_of
 from fogreduce.diagnosis.inference.model import DELAYS, modelled
 from fogreduce.diagnosis.inference.noise_model import Metric, nuisances, whitener
 from fogreduce.diagnosis.inference.options import Option, beyond, log_prior_of, not_for_being_simpler
-from fogreduce.diagnosis.observe.data import Data
+from fogreduce.diagnosis.observe.data import Data, steady
 from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.diagnosis.which.catalogue.candidates import all_candidates
 from fogreduce.diagnosis.which.catalogue.converter import converter_means
@@ -86,6 +86,7 @@ class Search:
 
     def _fast_beside(self, actions: Sequence[Action]) -> Fast:
         """The full rate held against a chain with effects in it, where what they change is gross."""
+        actions = steady(actions)
         if not actions:
             return self.fast
         key = repr([(a.effect.name, a.gyros, sorted(a.runs), a.parameters) for a in actions])

@@ -132,11 +132,11 @@ class Data:
         return replace(self, residual=residual, sizes=sizes)
 
     def beside(self, actions: Sequence[Action]) -> Data:
-        """The same with the full rate held against a chain with effects in it, filters left out.
+        """The same with the full rate held against a chain with steady effects in it.
 
         What a gross fault changes is far larger than noise: its curvature within a second passes for lines.
         """
-        captures = [read_samples(one, _steady(actions)) for one in self.inputs]
+        captures = [read_samples(one, actions) for one in self.inputs]
         captures, lines, of_lines = _less_lines(self.inputs, captures)
         residual = [
             np.where(size > 0.0, value + before - after, 0.0)
@@ -158,14 +158,19 @@ class Data:
             piece_s = max(PIECE / rate, _PIECE_S)
             pieces = max(int(one.facts.n_expected / rate / piece_s), 1)
             time_s: Array = (np.arange(pieces * _ASKED, dtype=np.float64) + 0.5) * (piece_s / _ASKED)
-            change = one.scene.decoded(time_s, _steady(actions)) - one.scene.decoded(time_s)
+            change = one.scene.decoded(time_s, actions) - one.scene.decoded(time_s)
             squares = np.sum(straightened(change.reshape(self.n, pieces, _ASKED)) ** 2, axis=(1, 2))
             total += float(np.sum(squares / np.maximum(noise, 1e-300) ** 2)) * piece_s * rate / _ASKED
         return total
 
 
-def _steady(actions: Sequence[Action]) -> list[Action]:
-    return [a for a in actions if a.effect.stage != Stage.FILTER]
+def steady(actions: Sequence[Action]) -> list[Action]:
+    """Effects of which it is known what they do within a second.
+
+    A filter remembers what came before. A temperature takes longer than that to change: what its log has
+    within a second is noise.
+    """
+    return [a for a in actions if a.effect.stage != Stage.FILTER and not a.effect.needs_temperature]
 
 
 def read_data(

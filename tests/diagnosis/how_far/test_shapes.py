@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -71,3 +72,22 @@ def test_three_causes_of_no_size_at_one_place_are_none() -> None:
     assert (imitation.word, imitation.named, imitation.unknown_probability) == ("unexplained", (), 0.5)
     assert judged(0.3, -0.7, 9.0).word == "explained"
     assert judged(0.3, -0.7).word == "explained"
+
+
+@pytest.mark.parametrize(("ramp_deg_h_per_h", "left"), [(2.0, 1), (60.0, 2)])
+def test_a_smaller_cause_without_a_size_is_a_departure_of_what_a_temperature_drives(
+    tmp_path, ramp_deg_h_per_h: float, left: int
+) -> None:
+    lab(tmp_path)
+    logged(tmp_path)
+    warm = {"effect": "temperature_bias", "channels": ["gyro2"], "runs": ["*"]}
+    bench = simulated(tmp_path, [warm | {"parameters": {"deg_h_per_degC": 2.0}}])
+    search = Search(read_data(bench, tmp_path / "cal"), frozenset(EFFECTS))
+    causes = [
+        Cause("temperature_bias", ("gyro2",), ("*",), {"deg_h_per_degC": 2.0}, {}, {"deg_h_per_degC": 0.1}),
+        Cause("bias_ramp", ("gyro2",), ("*",), {"deg_h_per_h": ramp_deg_h_per_h}, {}, {"deg_h_per_h": 90.0}),
+    ]
+    named = tuple(Named(k, 0.9, 0.9, ()) for k in range(2))
+    state = replace(search.state([], search.ground), causes=causes)
+    found = without_imitations(search, Verdict("explained", 1.0, 0.01, state, [], named))
+    assert (found.word, found.unknown_probability, len(found.named)) == ("explained", 0.01, left)
