@@ -80,7 +80,7 @@ def _rotations(posterior: SlowPosterior, keys: Mapping[int, tuple[object, ...]])
             for o in _shapes(posterior, Field.of(*posterior.beside(less)), _TABLE)
             if o.fit is not None and o.fit.candidate.columns.shape[2] < numbers
         ]
-        odds = _odds(fewer).get(_TABLE, -np.inf)
+        odds = _odds(fewer).get(_TABLE, -np.inf) - priors.AS_WELL
         lost = posterior.best.score - less.score
         yield Unknown(_TABLE, _probability(odds - lost), frozenset(keys[entry] for entry in gone))
 
