@@ -14,7 +14,7 @@ from fogreduce.diagnosis.how_far.closure import Closure, Key, measured
 from fogreduce.diagnosis.how_far.remainder import Remainder, borne_out, remaining
 from fogreduce.diagnosis.how_far.shapes import without_imitations
 from fogreduce.diagnosis.how_far.simulated import Source
-from fogreduce.diagnosis.inference.bundles import Bundles
+from fogreduce.diagnosis.inference.candidates import Candidates
 from fogreduce.diagnosis.inference.outcome import Named, Verdict
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
@@ -148,22 +148,22 @@ def diagnose(
 
 def _places(search: Search) -> list[Place]:
     """Where the gap lies, causes aside."""
-    ground = search.ground
-    field = search.state([], ground).field
-    faults = [*where.gross(field, ground.candidates), *where.joined(ground.families)]
-    seats = Bundles([*ground.families, *faults]) if faults else ground.families
+    problem = search.problem
+    residual = search.state([], problem).residual
+    faults = [*where.gross(residual, problem.candidates), *where.joined(problem.families)]
+    seats = Candidates([*problem.families, *faults]) if faults else problem.families
     return where.places(
-        field,
+        residual,
         seats,
-        search.fast.findings([]),
-        lambda here: ground.processes.findings(here, search.allowed),
+        search.full_rate.findings([]),
+        lambda here: problem.processes.findings(here, search.allowed),
         search.data.run_ids,
     )
 
 
 def _faint(verdict: Verdict, data: Data) -> Place:
     """The best place of a gap that no place alone shows beyond doubt."""
-    unknown = [o for o in verdict.left if not o.known] or verdict.left
+    unknown = [o for o in verdict.left if not o.catalogued] or verdict.left
     best = max(unknown, key=lambda o: o.log_b)
     if verdict.named and verdict.named[0].group:
         best = verdict.named[0].group[0][0]

@@ -147,8 +147,8 @@ class _Guess:
         for of, whole in self._parts:
             left = whole - sum((of[key] for key in taken if key in of), np.zeros_like(whole))
             total += float(left @ left)
-        fast = self._left.closure.at_full_rate
-        return total + sum(two if key in taken else one for key, (one, two) in fast.items())
+        full_rate = self._left.closure.at_full_rate
+        return total + sum(two if key in taken else one for key, (one, two) in full_rate.items())
 
 
 def _in_noise(cause: Cause) -> bool:

@@ -21,16 +21,16 @@ from fogreduce.diagnosis.how_far.measure import Deviates, Part, deviates, scatte
 from fogreduce.diagnosis.inference.candidate import Candidate
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.fitted import refined
-from fogreduce.diagnosis.inference.ground import processes_of
 from fogreduce.diagnosis.inference.model import changes_of, modelled, modelled_change
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener, nuisances, whitener
+from fogreduce.diagnosis.inference.problem import processes_of
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.observe.data import Data
 from fogreduce.diagnosis.where.places import Place
 from fogreduce.diagnosis.which.catalogue.converter import converter_means
-from fogreduce.diagnosis.which.full_rate.fast import Fast
+from fogreduce.diagnosis.which.full_rate.statistics import FullRateStatistics
 
 Array = NDArray[np.float64]
 Key = tuple[str, tuple[str, ...], tuple[str, ...], str]
@@ -172,9 +172,9 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
     held_out = _held_out(data, causes) if families or slow else ""
     # a random process that block means were held against is in their noise
     seats = {one.channels for one in families} | {one.channels for one in slow}
-    fast = [c for c in causes if c.finding is not None and not (c.process and c.channels in seats)]
+    full_rate = [c for c in causes if c.finding is not None and not (c.process and c.channels in seats)]
     halves: list[bool] = []
-    for cause in fast:
+    for cause in full_rate:
         pair = _fast_closure(data, cause, search.allowed)
         halves.append(pair is not None)
         alone[cause.key] = pair or _as_fitted(cause)
@@ -223,12 +223,12 @@ def _of_block_means(
     search: Search, causes: Sequence[Cause], slow: Sequence[Cause], families: Sequence[Candidate]
 ) -> _Sums:
     """Each fold held against causes that were fitted on the other."""
-    data, nominal, sums = search.data, search.ground.nominal, _Sums()
+    data, nominal, sums = search.data, search.problem.nominal, _Sums()
     instant = any(_within_a_block(data, c) for c in slow)
     columns = nuisances(data.inputs, [c.action(data.run_ids, data.n) for c in slow])
     # what a converter does to block means is its own doing, of a phase that nobody knows
-    codes = converter_means(data.inputs, causes, data.noise_raw(), search.ground.whiten.rows)
-    shapes = _shapes(data, slow, search.ground.whiten.rows)
+    codes = converter_means(data.inputs, causes, data.noise_raw(), search.problem.whiten.rows)
+    shapes = _shapes(data, slow, search.problem.whiten.rows)
     noisy = [_part(search, keep, causes, np.column_stack([columns, codes])) for keep in _KEPT]
     bare = noisy
     if processes_of(causes) or codes.shape[1]:
@@ -298,7 +298,7 @@ def _masks(data: Data, keep: Sequence[int]) -> list[NDArray[np.bool_]]:
 
 def _part(search: Search, keep: Sequence[int], causes: Sequence[Cause], columns: Array) -> Part:
     data = search.data.with_parts(_masks(search.data, keep))
-    whiten = whitener(data.inputs, data.sizes, search.fast.level, processes_of(causes))
+    whiten = whitener(data.inputs, data.sizes, search.full_rate.level, processes_of(causes))
     y = whiten(whiten.rows.stacked(data.residual)[:, None])[:, 0]
     return Part(whiten, Metric.of(whiten(columns)), y)
 
@@ -314,24 +314,24 @@ def _features(
     search: Search, families: Sequence[Candidate], slow: Sequence[Cause], shapes: Array, whole: Part
 ) -> Array:
     """Columns (rows, m) [deg/h] of what the causes change, and of what shows beside: places, departures."""
-    ground = search.ground.whiten
-    model = modelled(search.data.inputs, slow, ground, search.ground.nominal)
+    whiten = search.problem.whiten
+    model = modelled(search.data.inputs, slow, whiten, search.problem.nominal)
     wholes = [model.slopes]
     for family in families:
-        columns = np.zeros((ground.rows.total, family.columns.shape[2]))
+        columns = np.zeros((whiten.rows.total, family.columns.shape[2]))
         columns[family.rows] = family.columns[:, 0, :]
         wholes.append(columns)
     # all at once: filters are solved for once
-    plain = _coloured(ground, np.column_stack(wholes))
+    plain = _coloured(whiten, np.column_stack(wholes))
     slopes, *places = np.split(plain, np.cumsum([w.shape[1] for w in wholes])[:-1], axis=1)
     if not slow:
         return np.column_stack([slopes, *places])
     # what no number scales, or not in proportion, slopes do not have
-    changes = changes_of(search.data.inputs, slow, ground.rows)
-    white, beside = whole.whiten(changes), whole.metric.beside(whole.whiten(slopes))
+    changes = changes_of(search.data.inputs, slow, whiten.rows)
+    white, beside = whole.whiten(changes), whole.metric.with_free(whole.whiten(slopes))
     slopes = np.column_stack([slopes, changes[:, np.diag(beside.gram(white, white)) > 1.0]])
-    change = modelled_change(search.data.inputs, slow, whole.whiten, search.ground.nominal)
-    left = Field.of(whole.metric.beside(whole.whiten(slopes)), whole.y - change)
+    change = modelled_change(search.data.inputs, slow, whole.whiten, search.problem.nominal)
+    left = WhitenedResidual.of(whole.metric.with_free(whole.whiten(slopes)), whole.y - change)
     shown = [columns for columns in places if shows(left, whole.whiten(columns), 0.0)]
     shown += [shapes] if shows(left, whole.whiten(shapes), 1.0) else []
     return np.column_stack([slopes, *shown])
@@ -343,11 +343,11 @@ def few_columned(found: Sequence[Place]) -> list[Candidate]:
     return [family for family in families if family.columns.shape[2] <= _MOST_FEATURES]
 
 
-def _coloured(ground: Whitener, white: Array) -> Array:
+def _coloured(whiten: Whitener, white: Array) -> Array:
     """Whitened columns before they were whitened."""
     out = np.empty_like(white)
-    for (i, r), matrix in ground.filters.items():
-        rows = ground.rows.of(i, r)
+    for (i, r), matrix in whiten.filters.items():
+        rows = whiten.rows.of(i, r)
         out[rows] = np.linalg.solve(matrix, white[rows]) if white[rows].any() else 0.0
     return out
 
@@ -355,11 +355,11 @@ def _coloured(ground: Whitener, white: Array) -> Array:
 def _placebo(search: Search, slow: Sequence[Cause], fitted: Part, held: Part) -> Array | None:
     """What a wrong effect, fitted on one fold, changes on the other: the first linear one at another gyro."""
     seats = {name for c in slow for name in c.channels}
-    for candidate in search.ground.candidates:
+    for candidate in search.problem.candidates:
         if candidate.effect in ("bias_ramp", "temperature_bias") and not seats & set(candidate.channels):
-            whole = np.zeros((search.ground.whiten.rows.total, candidate.columns.shape[2]))
+            whole = np.zeros((search.problem.whiten.rows.total, candidate.columns.shape[2]))
             whole[candidate.rows] = candidate.columns[:, 0, :]
-            plain = _coloured(search.ground.whiten, whole)
+            plain = _coloured(search.problem.whiten, whole)
             here, there = fitted.whiten(plain), held.whiten(plain)
             size = np.linalg.lstsq(
                 fitted.metric.gram(here, here), fitted.metric.gram(here, fitted.y[:, None])[:, 0], rcond=None
@@ -381,7 +381,7 @@ def _fast_closure(data: Data, cause: Cause, allowed: frozenset[str]) -> tuple[fl
     found = []
     for parity in (0, 1):
         part = data.some_runs(slice(parity, None, 2))
-        same = [f for f in Fast(part, allowed).findings([]) if f.key == cause.finding.key]
+        same = [f for f in FullRateStatistics(part, allowed).findings([]) if f.key == cause.finding.key]
         if not same or not same[0].parameters:
             return None
         found.append(same[0])

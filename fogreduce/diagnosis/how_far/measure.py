@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ class Deviates:
         return float(np.trace(self.spread))
 
 
-def shows(left: Field, columns: Array, prior: float) -> bool:
+def shows(left: WhitenedResidual, columns: Array, prior: float) -> bool:
     """Whether whitened columns (rows, k), of inverse prior variance `prior`, gain more than noise would."""
     gram = left.metric.gram(columns, columns)
     along = left.metric.gram(columns, left.y[:, None])[:, 0]

@@ -16,11 +16,11 @@ from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.how_far.closure import Closure
 from fogreduce.diagnosis.how_far.shapes import departed
 from fogreduce.diagnosis.how_far.simulated import Simulated, Source
-from fogreduce.diagnosis.inference.bundles import Bundles
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.candidates import Candidates
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.outcome import Verdict
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import deviate
 from fogreduce.diagnosis.where.places import Place, farthest, places
@@ -69,23 +69,23 @@ def remaining(search: Search, state: State, source: Source | None = None) -> Rem
     source : Source or None
         What captures are simulated from, where something stands out beside causes.
     """
-    ground = state.ground
+    problem = state.problem
     # causes at the sizes that fit best, of exactly the catalogue's shapes
-    exact = Field.of(ground.metric.beside(state.model.slopes), ground.y - state.model.change)
-    findings = ground.fast.findings(state.causes)
-    sigma = farthest(exact, ground.families, findings, _unnamed(search, state))
+    exact = WhitenedResidual.of(problem.metric.with_free(state.model.slopes), problem.y - state.model.change)
+    findings = problem.full_rate.findings(state.causes)
+    sigma = farthest(exact, problem.families, findings, _unnamed(search, state))
     p = _chance(sigma)
     named = departed(search, state)
     if p >= priors.REMAINDER:
         return Remainder(p, tuple(named), ())
     shown = [*named, *_places(search, state, exact, findings, exact=True)]
-    further = _places(search, state, state.field, findings, exact=False)
+    further = _places(search, state, state.residual, findings, exact=False)
     if further and state.causes and source is not None:
         simulated = Simulated(search, state, source)
         shown, further = ([simulated.left_of(p) for p in part] for part in (shown, further))
         shown, further = ([p for p in part if p.sigma >= _LEAST] for part in (shown, further))
         p = _chance(max((p.sigma for p in shown), default=0.0))
-    kin = resembling(state.field, ground.candidates, findings, further)
+    kin = resembling(state.residual, problem.candidates, findings, further)
     shown.sort(key=lambda place: -place.sigma)
     return Remainder(p, tuple(shown), tuple(further), tuple(kin))
 
@@ -95,19 +95,19 @@ def _chance(sigma: float) -> float:
     return float(np.exp(log_normal_tail(-sigma))) if sigma > 0.0 else 1.0
 
 
-def _unnamed(search: Search, state: State) -> Callable[[Field], list[Finding]]:
-    """Random processes that no effect makes, found in a field."""
+def _unnamed(search: Search, state: State) -> Callable[[WhitenedResidual], list[Finding]]:
+    """Random processes that no effect makes, found in a residual."""
 
-    def processes(field: Field) -> list[Finding]:
-        return [f for f in state.ground.processes.findings(field, search.allowed) if not f.known]
+    def processes(residual: WhitenedResidual) -> list[Finding]:
+        return [f for f in state.problem.processes.findings(residual, search.allowed) if not f.catalogued]
 
     return processes
 
 
 def _places(
-    search: Search, state: State, field: Field, findings: Iterable[Finding], exact: bool
+    search: Search, state: State, residual: WhitenedResidual, findings: Iterable[Finding], exact: bool
 ) -> list[Place]:
-    """Where a field stands out; unless `exact`, less what departures from the causes' shapes could make."""
+    """Where it stands out; unless `exact`, less what departures from the causes' shapes could make."""
 
     def doubt(channels: Sequence[str]) -> float:
         if exact:
@@ -116,13 +116,13 @@ def _places(
 
     left = [f if exact else _less(f, _implied(state, f.channels)) for f in findings]
     processes, run_ids = _unnamed(search, state), search.data.run_ids
-    found = places(field, state.ground.families, left, processes, run_ids, doubt, _LEAST)
+    found = places(residual, state.problem.families, left, processes, run_ids, doubt, _LEAST)
     seats = {c.channels for c in state.causes}
     if not exact or {p.channels for p in found} & seats:
         return found
     # what a gyro's cause leaves looks like a motion of all where few of them are at work
-    own = Bundles([f for f in state.ground.families if f.channels in seats])
-    return [*places(field, own, [], lambda _: [], run_ids, doubt, _LEAST), *found]
+    own = Candidates([f for f in state.problem.families if f.channels in seats])
+    return [*places(residual, own, [], lambda _: [], run_ids, doubt, _LEAST), *found]
 
 
 def _implied(state: State, channels: Sequence[str]) -> float:

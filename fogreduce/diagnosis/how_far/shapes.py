@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
 from fogreduce.diagnosis.inference.departures import lateness
-from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.outcome import Verdict
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
 from fogreduce.diagnosis.where.places import Place
@@ -55,7 +55,7 @@ def without_imitations(search: Search, verdict: Verdict) -> Verdict:
     state = verdict.state
     kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
     numbers = {k: number for number, k in enumerate(kept)}
-    state = search.state([state.causes[k] for k in kept], state.ground)
+    state = search.state([state.causes[k] for k in kept], state.problem)
     named = tuple(replace(one, index=numbers[one.index]) for one in verdict.named if one.index in numbers)
     word, unknown = verdict.word, verdict.unknown_probability
     if alone:
@@ -73,7 +73,7 @@ def _sizes(cause: Cause) -> float:
 
 def departed(search: Search, state: State) -> list[Place]:
     """Places at which a cause does what another does that is driven by a temperature and comes late."""
-    data, rows = search.data, state.ground.whiten.rows
+    data, rows = search.data, state.problem.whiten.rows
     slow = [c for c in state.causes if c.slow and c.theta and c.std]
     warm = [c for c in slow if EFFECTS[c.effect].needs_temperature]
     out = []
@@ -81,8 +81,8 @@ def departed(search: Search, state: State) -> list[Place]:
         actions = [other.action(data.run_ids, data.n)]
         driven = _change(search, actions)
         late, start = lateness(data.inputs, actions, rows)
-        start = state.ground.whiten(start)
-        late = _without(start, state.ground.whiten(late[:, None])[:, 0])
+        start = state.problem.whiten(start)
+        late = _without(start, state.problem.whiten(late[:, None])[:, 0])
         for one in (c for c in slow if c.channels == other.channels and c is not other):
             change = _without(start, _change(search, [one.action(data.run_ids, data.n)]))
             size = float(np.linalg.norm(change)) * float(np.linalg.norm(late))
@@ -104,7 +104,7 @@ def _without(columns: Array, change: Array) -> Array:
 
 def _change(search: Search, actions: Sequence[Action]) -> Array:
     """What effects change, whitened (rows,)."""
-    whiten = search.ground.whiten
+    whiten = search.problem.whiten
     parts = [one.scene.block_means(actions) - one.scene.block_means() for one in search.data.inputs]
     return whiten(whiten.rows.stacked(parts)[:, None])[:, 0]
 

@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 from fogreduce.datasets.atomic import write_text
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.inference.ground import State
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
 from fogreduce.diagnosis.observe.data import Data, read_data
 from fogreduce.diagnosis.where.places import Place
-from fogreduce.diagnosis.which.full_rate.fast import Fast
+from fogreduce.diagnosis.which.full_rate.statistics import FullRateStatistics
 from fogreduce.errors import BadInput
 from fogreduce.metadata.part import Part
 from fogreduce.metadata.yaml12 import dump_yaml
@@ -79,24 +79,27 @@ class Simulated:
         return out
 
     @cached_property
-    def _fields(self) -> list[Field]:
+    def _residuals(self) -> list[WhitenedResidual]:
         """What the causes leave of each."""
-        ground, model = self.state.ground, self.state.model
-        metric = ground.metric.beside(model.slopes)
+        problem, model = self.state.problem, self.state.model
+        metric = problem.metric.with_free(model.slopes)
         out = []
         for data in self.campaigns:
-            y = ground.whiten(ground.whiten.rows.stacked(data.residual)[:, None])[:, 0]
-            out.append(Field.of(metric, y - model.change))
+            y = problem.whiten(problem.whiten.rows.stacked(data.residual)[:, None])[:, 0]
+            out.append(WhitenedResidual.of(metric, y - model.change))
         return out
 
     @cached_property
     def _findings(self) -> list[list[Finding]]:
-        return [Fast(data, self.search.allowed).findings(self.state.causes) for data in self.campaigns]
+        return [
+            FullRateStatistics(data, self.search.allowed).findings(self.state.causes)
+            for data in self.campaigns
+        ]
 
     def left_of(self, place: Place) -> Place:
         """A place less what the simulated captures show there."""
         if place.family is not None:
-            q = [field.fit(place.family).q for field in self._fields]
+            q = [residual.fit(place.family).q for residual in self._residuals]
         else:
             q = [
                 max((f.snr2 for f in found if _same(f, place)), default=0.0) for found in self._findings

@@ -40,7 +40,7 @@ class Candidate:
         Its amplitude cannot be negative.
     share : float
         Prior share of the effect's name that this place has.
-    known : bool
+    catalogued : bool
         False for what no effect of the catalogue does: a family of the unknown.
     realistic : (float, float) or None
         Sizes that units of the class show, where a data sheet has them; None: those that the effect states.
@@ -61,7 +61,7 @@ class Candidate:
     fixed: bool = False
     positive: bool = False
     share: float = 1.0
-    known: bool = True
+    catalogued: bool = True
     feature: str = ""
     stage: str = "gyro"
     extra: Mapping[str, Any] = field(default_factory=dict)

@@ -96,7 +96,7 @@ class Points:
 
 
 @dataclass(frozen=True)
-class Field:
+class WhitenedResidual:
     """A whitened residual and the metric in which it counts, with its products ready."""
 
     metric: Metric
@@ -104,7 +104,7 @@ class Field:
     shrunk: Array
 
     @classmethod
-    def of(cls, metric: Metric, y: Array) -> Field:
+    def of(cls, metric: Metric, y: Array) -> WhitenedResidual:
         """From metric and whitened residual."""
         return cls(metric, y, metric.shrink @ (metric.a.T @ y))
 

@@ -43,7 +43,7 @@ def family(
         ("",) * k,
         np.ones((j, k)),
         share=share,
-        known=False,
+        catalogued=False,
         feature=feature,
         stage=stage,
     )

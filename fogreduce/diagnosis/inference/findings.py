@@ -53,21 +53,21 @@ class Finding:
     degrees: int = 1
     process: tuple[str, float] | None = None
 
-    def beside(self, slow: Finding) -> Finding:
+    def joined_to(self, slow: Finding) -> Finding:
         """A random process that the spectrum shows, and block means as well: both their evidence.
 
         Block means that show less of it contradict the spectrum; what they show more may be others' doing.
         """
         assert self.process is not None
         name = next(iter(self.parameters))
-        (fast, fast_std), (other, other_std) = self.parameters[name], slow.parameters[name]
-        error = float(np.hypot(fast_std / fast, other_std / other))
-        apart = float(np.log(other / fast)) / error
+        (full_rate, fast_std), (other, other_std) = self.parameters[name], slow.parameters[name]
+        error = float(np.hypot(fast_std / full_rate, other_std / other))
+        apart = float(np.log(other / full_rate)) / error
         against = 0.5 * min(apart, 0.0) ** 2
-        size, std = fast, fast_std
+        size, std = full_rate, fast_std
         if abs(apart) < _CONSISTENT:
             weights = np.array([fast_std, other_std]) ** -2.0
-            size = float(weights @ [fast, other] / weights.sum())
+            size = float(weights @ [full_rate, other] / weights.sum())
             std = float(weights.sum() ** -0.5)
         return replace(
             self,
@@ -78,7 +78,7 @@ class Finding:
         )
 
     @property
-    def known(self) -> bool:
+    def catalogued(self) -> bool:
         """Whether the catalogue has it."""
         return self.effect != "unknown"
 
@@ -89,11 +89,11 @@ class Finding:
         return self.effect, self.channels, self.runs, "" if hz is None else f"{hz[0]:.6g} Hz"
 
 
-def joined(fast: Sequence[Finding], slow: Sequence[Finding]) -> list[Finding]:
+def joined(full_rate: Sequence[Finding], slow: Sequence[Finding]) -> list[Finding]:
     """Findings of the full rate and processes of block means, a process that both show as one."""
-    shown = {f.key: f for f in fast if f.process is not None and f.log_b > 0.0}
-    out = [f for f in fast if f.process is None]
+    shown = {f.key: f for f in full_rate if f.process is not None and f.log_b > 0.0}
+    out = [f for f in full_rate if f.process is None]
     mine = {f.key: f for f in slow}
     for f in slow:
-        out.append(shown[f.key].beside(f) if f.known and f.key in shown else f)
+        out.append(shown[f.key].joined_to(f) if f.catalogued and f.key in shown else f)
     return out + [f for key, f in shown.items() if key not in mine]

@@ -136,7 +136,7 @@ def _at_instants(gap: _Gap, model: Model) -> list[Cause]:
             others = np.delete(model.slopes, own, axis=1)
             rest = [*out[:k], *out[k + 1 :]]
             left = gap.y - gap.change(rest)
-            out[k] = timed(gap.inputs, cause, gap.whiten, gap.metric.beside(others), left)
+            out[k] = timed(gap.inputs, cause, gap.whiten, gap.metric.with_free(others), left)
     return out
 
 

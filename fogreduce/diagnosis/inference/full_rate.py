@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding, joined
-from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.options import log_prior_of
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.search import Search
 
 _MOST = 60  # a bound on a loop that ends by itself: findings beside those taken
@@ -43,17 +43,17 @@ def full_rate_causes(search: Search, state: State, given: Sequence[Cause] = ()) 
     ----------
     search : Search
     state : State
-        Its ground has the full rate; its field is what gross causes leave.
+        Its problem has the full rate; its residual is what gross causes leave.
     given : causes
         Faulty wiring and the like, named already.
     """
-    fast = state.ground.fast
+    full_rate = state.problem.full_rate
     causes: list[Cause] = []
     scores: list[float] = []
     unknown: dict[tuple[str, tuple[str, ...]], Finding] = {}
-    slow = state.ground.processes.findings(state.field, search.allowed)
+    slow = state.problem.processes.findings(state.residual, search.allowed)
     for _ in range(_MOST):
-        found = [f for f in fast.findings([*given, *causes]) if (f.domain, f.channels) not in unknown]
+        found = [f for f in full_rate.findings([*given, *causes]) if (f.domain, f.channels) not in unknown]
         shown = {f.key for f in found if f.process is not None and f.log_b > 0.0}
         found = joined(found, [f for f in slow if f.key in shown])
         taken = {c.key for c in causes}
@@ -61,7 +61,7 @@ def full_rate_causes(search: Search, state: State, given: Sequence[Cause] = ()) 
         best = max(found, key=_odds, default=None)
         if best is None or _odds(best) <= 0.0:
             break
-        if best.known:
+        if best.catalogued:
             causes.append(Cause.of_finding(best))
             scores.append(_odds(best))
         else:
@@ -71,4 +71,4 @@ def full_rate_causes(search: Search, state: State, given: Sequence[Cause] = ()) 
 
 def _odds(finding: Finding) -> float:
     """Ln posterior odds of a finding, beside any other causes."""
-    return finding.log_b + log_prior_of(finding.known, finding.share) + priors.LOG_FURTHER
+    return finding.log_b + log_prior_of(finding.catalogued, finding.share) + priors.LOG_FURTHER

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import Fit
-from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.library import OF_FULL_RATE
 from fogreduce.diagnosis.inference.model import DELAYS
 from fogreduce.diagnosis.inference.options import log_prior_of
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.sizes import believed
 
@@ -31,7 +31,7 @@ class Gross:
     Attributes
     ----------
     state : State
-        With them, those given beforehand first; they stand in its ground's chain.
+        With them, those given beforehand first; they stand in its problem's chain.
     settled : tuple of Cause
         Those that do not add up with others, as faulty wiring and delays: in every set.
     others : tuple of Fit
@@ -66,9 +66,9 @@ def gross(search: Search, state: State) -> Gross:
             break
         out.add(best.candidate.key)
         # a table off in rate comes to other angles, of which its column knows nothing
-        taken = search.state([*state.causes, Cause.of_fit(best)], state.ground)
+        taken = search.state([*state.causes, Cause.of_fit(best)], state.problem)
         done = search.gained(state, taken)
-        if adds_up and done < _ALL_BUT * (state.field.chi2 - len(state.field.y)):
+        if adds_up and done < _ALL_BUT * (state.residual.chi2 - len(state.residual.y)):
             trials += 1
             if trials == _TRIALS:
                 break
@@ -79,6 +79,6 @@ def gross(search: Search, state: State) -> Gross:
             others[best.candidate.key] = best
         else:
             settled.add(best.candidate.key)
-        state = search.state(taken.causes, search.ground_of(taken.causes))
+        state = search.state(taken.causes, search.problem_with(taken.causes))
     given = tuple(c for c in state.causes if c.key in settled)
     return Gross(state, given, tuple(others.values()))

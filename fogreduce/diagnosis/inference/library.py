@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.hierarchy import Kind
 from fogreduce.diagnosis.inference.noise_model import Metric
 from fogreduce.diagnosis.inference.regression import Entry, Member, Option, Regression
@@ -115,15 +115,15 @@ class Library:
         """All options' columns (rows, P)."""
         return np.column_stack(self._columns)
 
-    def widened(self, field: Field) -> bool:
-        """Take in the best point of each long grid that gains anything in a field; whether any was new."""
+    def widened(self, residual: WhitenedResidual) -> bool:
+        """Take in the best point of each long grid that gains anything in a residual; whether any was new."""
         new = False
         for number, c in self._long:
-            fit = field.fit(c)
+            fit = residual.fit(c)
             if fit.log_b <= 0.0 or (number, fit.best) in self._taken:
                 continue
             # neighbours of the best point do nearly as well: their part of the grid is the point's weight
-            own = field.fit(at_point(c, fit.best)).log_b
+            own = residual.fit(at_point(c, fit.best)).log_b
             self._add(number, c, fit.best, float(np.clip(fit.log_b - own, -np.log(c.columns.shape[1]), 0.0)))
             new = True
         return new

@@ -328,7 +328,7 @@ class Metric:
     def _of(cls, a: Array, inner: Array, parent: Metric | None) -> Metric:
         return cls(a, np.asarray(np.linalg.inv(np.eye(len(inner)) + inner), np.float64), inner, parent)
 
-    def beside(self, columns: Array) -> Metric:
+    def with_free(self, columns: Array) -> Metric:
         """The same with further whitened columns, quite free in size."""
         if columns.shape[1] == 0:
             return self

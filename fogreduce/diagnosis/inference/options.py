@@ -33,9 +33,9 @@ class Option:
         return self.finding
 
     @property
-    def known(self) -> bool:
+    def catalogued(self) -> bool:
         """Whether the catalogue has it."""
-        return self.source.known
+        return self.source.catalogued
 
     @property
     def key(self) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
@@ -76,11 +76,11 @@ def not_for_being_simpler(options: list[Option]) -> list[Option]:
     """
     named: dict[tuple[str, ...], list[Option]] = {}
     for o in options:
-        if o.known and o.fit is not None and o.fit.candidate.columns.shape[2] > 1:
+        if o.catalogued and o.fit is not None and o.fit.candidate.columns.shape[2] > 1:
             named.setdefault(o.source.channels, []).append(o)
     out = []
     for o in options:
-        if not o.known and o.fit is not None:
+        if not o.catalogued and o.fit is not None:
             numbers = o.fit.candidate.columns.shape[2]
             for rival in named.get(o.source.channels, ()):
                 assert rival.fit is not None
@@ -95,7 +95,7 @@ def not_for_being_simpler(options: list[Option]) -> list[Option]:
 def beyond(fit: Fit) -> bool:
     """Whether an effect would need a number that it does not accept, as a scale factor less than nothing."""
     c = fit.candidate
-    if not c.known or c.fixed:
+    if not c.catalogued or c.fixed:
         return False
     values = dict(zip(c.scales, (fit.coefficients * c.steps[fit.best]).tolist(), strict=False))
     limits = {p.name: (p.low, p.high) for p in EFFECTS[c.effect].parameters if p.kind == "number"}

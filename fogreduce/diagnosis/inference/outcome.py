@@ -9,8 +9,8 @@ import numpy as np
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
-from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.options import Option
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.search import Search
 
 
@@ -75,11 +75,13 @@ def in_its_place(search: Search, state: State, k: int, most: int) -> Named:
     """
     key = state.causes[k].key
     others = [c for c in state.causes if c.key != key]
-    base = [c for c in others if c.process or c.key in state.ground.base]
-    before = search.state(others, search.ground_of(base), refine=False)
+    base = [c for c in others if c.process or c.key in state.problem.base]
+    before = search.state(others, search.problem_with(base), refine=False)
     options = [_as_simulated(search, before, state.causes[k], o) for o in search.options(before)]
     total = _log_sum([*(o.score for o in options), -priors.LOG_FURTHER])
-    chances = sorted(((o, float(np.exp(o.score - total))) for o in options if o.known), key=lambda x: -x[1])
+    chances = sorted(
+        ((o, float(np.exp(o.score - total))) for o in options if o.catalogued), key=lambda x: -x[1]
+    )
     own = next(((o, p) for o, p in chances if o.key == key), None)
     if own is None:
         return Named(k, 0.5, 0.5, ())
@@ -94,7 +96,7 @@ def _as_simulated(search: Search, before: State, cause: Cause, option: Option) -
     """The option that is a cause, by what it gains as it was fitted: a grid's next point may be far off."""
     if option.key != cause.key or option.fit is None:
         return option
-    after = search.state([*before.causes, cause], before.ground, refine=False)
+    after = search.state([*before.causes, cause], before.problem, refine=False)
     more = 0.5 * max(search.gained(before, after) - option.q, 0.0)
     return replace(option, log_b=option.log_b + more, raw=option.raw + more)
 

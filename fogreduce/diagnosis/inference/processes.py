@@ -16,7 +16,7 @@ from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import EVERY
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding
-from fogreduce.diagnosis.inference.ground import Ground
+from fogreduce.diagnosis.inference.problem import Problem
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.slow import Begun, SlowPosterior, begun, completed, slow_posterior
 from fogreduce.effects.table import EFFECTS
@@ -30,13 +30,13 @@ _SEVERAL = 2
 
 def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
     """The best sets of causes, with as many random processes in the noise as pay."""
-    first = begun(search, _ground(search, given), given)
+    first = begun(search, _problem(search, given), given)
     outright = _outright(search, first)
     if outright is None:
         here = completed(search, first)
     else:
         causes = [*first.given, Cause.of_finding(outright)]
-        here = slow_posterior(search, _ground(search, causes), causes)
+        here = slow_posterior(search, _problem(search, causes), causes)
     tried: set[tuple[object, ...]] = set()
     for _ in range(_MOST):
         best = _most_likely(search, here, tried)
@@ -44,7 +44,7 @@ def with_processes(search: Search, given: Sequence[Cause]) -> SlowPosterior:
             break
         tried.add(best.key)
         causes = [*here.given, Cause.of_finding(best)]
-        there = slow_posterior(search, _ground(search, causes), causes)
+        there = slow_posterior(search, _problem(search, causes), causes)
         if there.log_evidence + process_price(best) > here.log_evidence:
             here = there
         elif there.unclosed:
@@ -59,8 +59,8 @@ def _outright(search: Search, first: Begun) -> Finding | None:
     if first.unclosed or not first.best.members:
         return None
     taken = {c.key for c in first.given}
-    found = first.about.ground.processes.findings(first.state.field, search.allowed)
-    found = [f for f in found if f.known and f.key not in taken and _believed(f)]
+    found = first.about.problem.processes.findings(first.state.residual, search.allowed)
+    found = [f for f in found if f.catalogued and f.key not in taken and _believed(f)]
     best = max(found, key=lambda f: f.log_b + process_price(f), default=None)
     if best is None or best.log_b + process_price(best) < first.best.score + first.closes:
         return None
@@ -72,34 +72,34 @@ def process_price(finding: Finding) -> float:
     return float(np.log(priors.KIND * finding.share)) - _SIZE
 
 
-def _ground(search: Search, given: Sequence[Cause]) -> Ground:
-    """The ground with processes in its noise and gross causes in its chain."""
-    return search.ground_of([c for c in given if c.process or c.finding is None])
+def _problem(search: Search, given: Sequence[Cause]) -> Problem:
+    """The problem with processes in its noise and gross causes in its chain."""
+    return search.problem_with([c for c in given if c.process or c.finding is None])
 
 
 def _most_likely(search: Search, here: SlowPosterior, tried: set[tuple[object, ...]]) -> Finding | None:
     """The process that gains most beside the causes, or in place of a gyro's drifts; None if none does."""
-    ground, state = here.state.ground, here.state
+    problem, state = here.state.problem, here.state
     if here.unclosed:
         # what no set closes may be a process: not in a noise that has it already
-        ground = _ground(search, here.given)
-        state = search.state(here.state.causes, ground, refine=False)
-    found = [(f, f.log_b) for f in ground.processes.findings(state.field, search.allowed)]
+        problem = _problem(search, here.given)
+        state = search.state(here.state.causes, problem, refine=False)
+    found = [(f, f.log_b) for f in problem.processes.findings(state.residual, search.allowed)]
     for channel, gone in _drifting(here).items():
         less = here.sets.without(here.best, gone)
         keys = {here.sets.regression.entries[entry].key for entry in gone}
-        state = search.state([c for c in here.state.causes if c.key not in keys], ground, refine=False)
+        state = search.state([c for c in here.state.causes if c.key not in keys], problem, refine=False)
         lost = here.best.score - less.score
         found += [
             (f, f.log_b - lost)
-            for f in ground.processes.findings(state.field, search.allowed)
+            for f in problem.processes.findings(state.residual, search.allowed)
             if f.channels == (channel,)
         ]
     taken = {c.key for c in here.given}
     worth = [
         (gain, f)
         for f, gain in found
-        if f.known and f.key not in tried | taken and gain + np.log(priors.KIND * f.share) > 0.0
+        if f.catalogued and f.key not in tried | taken and gain + np.log(priors.KIND * f.share) > 0.0
         if _believed(f)
     ]
     return max(worth, key=lambda pair: pair[0])[1] if worth else None

@@ -1,4 +1,4 @@
-"""A campaign in which causes are sought: grounds, sets of causes fitted on them, and what may be added."""
+"""A campaign in which causes are sought: problems, sets of causes fitted on them, and what may be added."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
-from fogreduce.diagnosis.inference.bundles import Bundles
+from fogreduce.diagnosis.inference.candidates import Candidates
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.departures import departures
-from fogreduce.diagnosis.inference.evidence import Field, Fit, log_bayes
+from fogreduce.diagnosis.inference.evidence import Fit, WhitenedResidual, log_bayes
 from fogreduce.diagnosis.inference.findings import joined
 from fogreduce.diagnosis.inference.fitted import refined
-from fogreduce.diagnosis.inference.ground import Ground, State, processes_of
 from fogreduce.diagnosis.inference.model import DELAYS, modelled
 from fogreduce.diagnosis.inference.noise_model import Metric, nuisances, whitener
 from fogreduce.diagnosis.inference.options import Option, beyond, log_prior_of, not_for_being_simpler
+from fogreduce.diagnosis.inference.problem import Problem, State, processes_of
 from fogreduce.diagnosis.observe.data import Data, steady
 from fogreduce.diagnosis.which.catalogue.builder import Builder
 from fogreduce.diagnosis.which.catalogue.candidates import all_candidates
 from fogreduce.diagnosis.which.catalogue.converter import converter_means
-from fogreduce.diagnosis.which.full_rate.fast import Fast
+from fogreduce.diagnosis.which.full_rate.statistics import FullRateStatistics
 from fogreduce.diagnosis.which.processes.processes import Processes
-from fogreduce.diagnosis.which.processes.shapes import Known
+from fogreduce.diagnosis.which.processes.shapes import ProcessCache
 from fogreduce.diagnosis.which.unknown.families import families
 from fogreduce.effects.selection import Action
 
@@ -44,74 +44,78 @@ class Search:
 
     data: Data
     allowed: frozenset[str]
-    fast: Fast = field(init=False)
-    ground: Ground = field(init=False)
-    _beside: dict[str, Fast] = field(init=False, default_factory=dict, repr=False)
+    full_rate: FullRateStatistics = field(init=False)
+    problem: Problem = field(init=False)
+    _full_rates: dict[str, FullRateStatistics] = field(init=False, default_factory=dict, repr=False)
     _filters: dict[bytes, dict[tuple[object, ...], Array]] = field(
         init=False, default_factory=dict, repr=False
     )
-    _known: Known = field(init=False, default_factory=Known, repr=False)
+    _processes: ProcessCache = field(init=False, default_factory=ProcessCache, repr=False)
 
     def __post_init__(self) -> None:
-        self.fast = Fast(self.data, self.allowed)
-        self.ground = self._ground(())
+        self.full_rate = FullRateStatistics(self.data, self.allowed)
+        self.problem = self._problem(())
 
-    # ------------------------------------------------------------------------------------- ground
+    # ------------------------------------------------------------------------------------- problem
 
-    def _ground(self, base: Sequence[Cause], coarser: Mapping[int, float] | None = None) -> Ground:
+    def _problem(self, base: Sequence[Cause], coarser: Mapping[int, float] | None = None) -> Problem:
         """Whitened residual and candidates, built about a chain with causes in it; processes whiten."""
         data = self.data
         slow = [c for c in base if c.slow]
         actions = [c.action(data.run_ids, data.n) for c in slow]
-        fast = self._fast_beside(actions)
-        known = self._filters.setdefault(fast.level.tobytes(), {})
-        whiten = whitener(data.inputs, data.sizes, fast.level, processes_of(base), known)
+        full_rate = self._full_rate_with(actions)
+        known = self._filters.setdefault(full_rate.level.tobytes(), {})
+        whiten = whitener(data.inputs, data.sizes, full_rate.level, processes_of(base), known)
         if coarser:
             whiten = whiten.coarser(coarser)
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
-        y = whiten(whiten.rows.stacked(fast.data.residual)[:, None])[:, 0]
+        y = whiten(whiten.rows.stacked(full_rate.data.residual)[:, None])[:, 0]
         metric = Metric.of(whiten(nuisances(data.inputs, actions)))
         builder = Builder(data.inputs, whiten, actions, self.allowed, data.rails)
-        return Ground(
+        return Problem(
             whiten,
             metric,
             y,
             nominal,
-            Bundles(all_candidates(builder)),
-            Bundles(families(data.inputs, whiten, builder.plain, self.allowed)),
-            Processes(data.inputs, whiten, builder.plain, self._known),
-            fast,
+            Candidates(all_candidates(builder)),
+            Candidates(families(data.inputs, whiten, builder.plain, self.allowed)),
+            Processes(data.inputs, whiten, builder.plain, self._processes),
+            full_rate,
             frozenset(c.key for c in slow),
         )
 
-    def _fast_beside(self, actions: Sequence[Action]) -> Fast:
+    def _full_rate_with(self, actions: Sequence[Action]) -> FullRateStatistics:
         """The full rate held against a chain with effects in it, where what they change is gross."""
         actions = steady(actions)
         if not actions:
-            return self.fast
+            return self.full_rate
         key = repr([(a.effect.name, a.gyros, sorted(a.runs), a.parameters) for a in actions])
-        if key not in self._beside:
+        if key not in self._full_rates:
             data = self.data
             if data.bent(actions) < priors.BENT:
-                self._beside[key] = self.fast
-                return self.fast
-            whiten = self.ground.whiten
+                self._full_rates[key] = self.full_rate
+                return self.full_rate
+            whiten = self.problem.whiten
             change = whiten.rows.stacked(
                 [one.scene.block_means(actions) - one.scene.block_means() for one in data.inputs]
             )
             size = float(np.linalg.norm(whiten(change[:, None])))
-            self._beside[key] = Fast(data.beside(actions), self.allowed) if size > priors.GROSS else self.fast
-        return self._beside[key]
+            self._full_rates[key] = (
+                FullRateStatistics(data.with_effects(actions), self.allowed)
+                if size > priors.GROSS
+                else self.full_rate
+            )
+        return self._full_rates[key]
 
-    def ground_of(self, causes: Sequence[Cause], coarser: Mapping[int, float] | None = None) -> Ground:
-        """The ground beside some causes: its noise has their processes in it, that of some gyros (their
+    def problem_with(self, causes: Sequence[Cause], coarser: Mapping[int, float] | None = None) -> Problem:
+        """The problem beside some causes: its noise has their processes in it, that of some gyros (their
         numbers) so many times as large.
         """
-        return self._ground(causes, coarser) if causes or coarser else self.ground
+        return self._problem(causes, coarser) if causes or coarser else self.problem
 
-    def state(self, causes: Sequence[Cause], ground: Ground, refine: bool = True) -> State:
+    def state(self, causes: Sequence[Cause], problem: Problem, refine: bool = True) -> State:
         """The causes in the chain, fitted together."""
-        g = ground
+        g = problem
         slow = [c for c in causes if c.slow]
         if refine and slow:
             model = refined(self.data.inputs, slow, g.whiten, g.nominal, g.metric, g.y)
@@ -119,13 +123,13 @@ class Search:
             model = modelled(self.data.inputs, slow, g.whiten, g.nominal)
         fitted = iter(model.causes)
         merged = [next(fitted) if c.slow else c for c in causes]
-        free = Field.of(g.metric.beside(model.slopes), g.y - model.change)
+        free = WhitenedResidual.of(g.metric.with_free(model.slopes), g.y - model.change)
         data = self.data
         codes = g.whiten(converter_means(data.inputs, causes, data.noise_raw(), g.whiten.rows))
         actions = [replace(c.action(data.run_ids, data.n), ordinal=k) for k, c in enumerate(model.causes)]
         wander = [departures(data.inputs, actions, k, g.whiten.rows) for k in range(len(actions))]
         shapes = np.column_stack([g.whiten(np.column_stack(wander)), codes] if wander else [codes])
-        return State(model, merged, Field.of(free.metric.wider(shapes), free.y), g, shapes)
+        return State(model, merged, WhitenedResidual.of(free.metric.wider(shapes), free.y), g, shapes)
 
     # ------------------------------------------------------------------------------------ options
 
@@ -133,19 +137,19 @@ class Search:
         """Everything that may be added to a set of causes, catalogue and unknown."""
         out: list[Option] = []
         taken = {c.key for c in state.causes}
-        for bundles in (state.ground.candidates, state.ground.families):
-            for fit in self._with_delay(bundles.fits(state.field), state):
-                if not (fit.candidate.known and fit.candidate.key in taken):
+        for candidates in (state.problem.candidates, state.problem.families):
+            for fit in self._with_delay(candidates.fits(state.residual), state):
+                if not (fit.candidate.catalogued and fit.candidate.key in taken):
                     out.append(self._slow_option(fit, state))
         out = not_for_being_simpler(out)
         findings = joined(
-            state.ground.fast.findings(state.causes),
-            state.ground.processes.findings(state.field, self.allowed),
+            state.problem.full_rate.findings(state.causes),
+            state.problem.processes.findings(state.residual, self.allowed),
         )
         slow_low_pass = {
             o.source.channels: o.log_b
             for o in out
-            if o.known and o.key[0] == "low_pass" and o.fit is not None
+            if o.catalogued and o.key[0] == "low_pass" and o.fit is not None
         }
         out = [o for o in out if o.key[0] != "low_pass"]
         for finding in findings:
@@ -157,13 +161,13 @@ class Search:
             if finding.domain == "process":
                 log_b = self._doubted(log_b, finding.snr2, 8, state, finding.channels)
             out.append(
-                Option(None, finding, log_b, log_prior_of(finding.known, finding.share), max(raw, log_b))
+                Option(None, finding, log_b, log_prior_of(finding.catalogued, finding.share), max(raw, log_b))
             )
         return out
 
     def fits(self, state: State) -> list[Fit]:
         """Every effect held against what is left beside a set of causes, those that cannot be left out."""
-        found = self._with_delay(state.ground.candidates.fits(state.field), state)
+        found = self._with_delay(state.problem.candidates.fits(state.residual), state)
         return [fit for fit in found if not beyond(fit)]
 
     def _with_delay(self, fits: Iterable[Fit], state: State) -> list[Fit]:
@@ -177,7 +181,7 @@ class Search:
         if late:
             k = max(late, key=lambda k: out[k].q)
             fit, c = out[k], out[k].candidate
-            after = self.state([*state.causes, Cause.of_fit(fit)], state.ground)
+            after = self.state([*state.causes, Cause.of_fit(fit)], state.problem)
             done = self.gained(state, after)
             if done > fit.q:
                 found = np.array([after.causes[-1].theta[name] for name in c.scales])
@@ -191,7 +195,7 @@ class Search:
         log_b = fit.log_b if c.fixed else self._doubted(fit.log_b, fit.q, k, state, c.channels)
         if beyond(fit):
             log_b = min(log_b, -priors.IMPOSSIBLE)
-        return Option(fit, None, log_b, log_prior_of(c.known, c.share), fit.log_b)
+        return Option(fit, None, log_b, log_prior_of(c.catalogued, c.share), fit.log_b)
 
     def _doubted(self, log_b: float, q: float, k: int, state: State, channels: Sequence[str]) -> float:
         """Evidence less what mere departures of the causes found from the catalogue's shape could make."""
@@ -208,7 +212,7 @@ class Search:
             return 0.0
         warm = any(c.effect.startswith("temperature") for c in state.causes)
         doubt = priors.WARM_DEPARTURE if warm else priors.DEPARTURE
-        rows = state.ground.whiten.rows
+        rows = state.problem.whiten.rows
         if any(not name.startswith("gyro") for name in channels):
             parts = [change]
         else:
@@ -217,5 +221,8 @@ class Search:
 
     def gained(self, before: State, after: State) -> float:
         """Twice what a cause, simulated, adds to ln likelihood."""
-        metric, y = before.ground.metric, before.ground.y
-        return Field.of(metric, y - before.model.change).chi2 - Field.of(metric, y - after.model.change).chi2
+        metric, y = before.problem.metric, before.problem.y
+        return (
+            WhitenedResidual.of(metric, y - before.model.change).chi2
+            - WhitenedResidual.of(metric, y - after.model.change).chi2
+        )

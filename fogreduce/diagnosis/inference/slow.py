@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
-from fogreduce.diagnosis.inference.evidence import Field, Fit
+from fogreduce.diagnosis.inference.evidence import Fit, WhitenedResidual
 from fogreduce.diagnosis.inference.gross import gross
-from fogreduce.diagnosis.inference.ground import Ground, State
 from fogreduce.diagnosis.inference.library import Library, at_point
 from fogreduce.diagnosis.inference.model import modelled_change
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows
+from fogreduce.diagnosis.inference.problem import Problem, State
 from fogreduce.diagnosis.inference.regression import Member
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.sets import CauseSet, SetSearch
@@ -34,7 +34,7 @@ _CELL = 0.25
 
 @dataclass(frozen=True)
 class SlowPosterior:
-    """Sets of causes of one ground.
+    """Sets of causes of one problem.
 
     Attributes
     ----------
@@ -65,13 +65,13 @@ class SlowPosterior:
 
     @property
     def log_evidence(self) -> float:
-        """Ln density of the residual, over sets' prior: comparable between grounds of other noise."""
-        whiten = self.state.ground.whiten
+        """Ln density of the residual, over sets' prior: comparable between problems of other noise."""
+        whiten = self.state.problem.whiten
         noise = sum(float(np.sum(np.log(np.diag(matrix)))) for matrix in whiten.filters.values())
         _, size = np.linalg.slogdet(np.eye(len(self.metric.inner)) + self.metric.inner)
-        return noise - 0.5 * (Field.of(self.metric, self.y).chi2 + float(size)) + self.best.score
+        return noise - 0.5 * (WhitenedResidual.of(self.metric, self.y).chi2 + float(size)) + self.best.score
 
-    def beside(self, here: CauseSet) -> tuple[Metric, Array]:
+    def with_free(self, here: CauseSet) -> tuple[Metric, Array]:
         """The metric in which a set's amplitudes are free, and the residual less what has no amplitude."""
         return _free(self.columns, self.metric, self.y, self.sets, here)
 
@@ -83,9 +83,9 @@ class SlowPosterior:
 
 @dataclass(frozen=True)
 class _About:
-    """What sets are searched in: candidates of a ground, a residual and its metric, a set to start from."""
+    """What sets are searched in: candidates of a problem, a residual and its metric, a set to start from."""
 
-    ground: Ground
+    problem: Problem
     library: Library
     metric: Metric
     y: Array
@@ -117,36 +117,39 @@ class Begun:
     def closes(self) -> float:
         """Ln likelihood that the best set gains."""
         about = self.about
-        left = Field.of(*_free(about.library.columns, about.metric, about.y, self.sets, self.best))
-        return 0.5 * (Field.of(about.metric, about.y).chi2 - left.chi2)
+        left = WhitenedResidual.of(*_free(about.library.columns, about.metric, about.y, self.sets, self.best))
+        return 0.5 * (WhitenedResidual.of(about.metric, about.y).chi2 - left.chi2)
 
 
-def slow_posterior(search: Search, ground: Ground, given: Sequence[Cause] = ()) -> SlowPosterior:
+def slow_posterior(search: Search, problem: Problem, given: Sequence[Cause] = ()) -> SlowPosterior:
     """Search sets of causes beside some that are given.
 
     Parameters
     ----------
     search : Search
-    ground : Ground
+    problem : Problem
         Noise, stated uncertainties and candidates.
     given : causes
         In every set: what the full rate has named, and processes.
     """
-    return completed(search, begun(search, ground, given))
+    return completed(search, begun(search, problem, given))
 
 
-def begun(search: Search, ground: Ground, given: Sequence[Cause] = ()) -> Begun:
+def begun(search: Search, problem: Problem, given: Sequence[Cause] = ()) -> Begun:
     """The first search, of `slow_posterior`."""
-    first = gross(search, search.state(given, ground, refine=False))
+    first = gross(search, search.state(given, problem, refine=False))
     given, state = [*given, *first.settled], first.state
     about = _about(search, state, first.others)
     unclosed = _unclosed(search, given, about)
     if unclosed:
         # what is gross and has a name stays; no more is named of those gyros
-        given, whole = state.causes, _squares(state.field.metric, state.field.y, state.ground.whiten.rows)
+        given, whole = (
+            state.causes,
+            _squares(state.residual.metric, state.residual.y, state.problem.whiten.rows),
+        )
         times = {i: max(float(np.sqrt(whole[i])), 1.0) for i in unclosed}
-        ground = search.ground_of(_base(state), times)
-        about = _about(search, search.state(given, ground, refine=False), (), unclosed)
+        problem = search.problem_with(_base(state), times)
+        about = _about(search, search.state(given, problem, refine=False), (), unclosed)
     sets, best = _searched(about)
     return Begun(state, tuple(given), unclosed, sets, best, about)
 
@@ -173,24 +176,24 @@ def _simulated(
     search: Search, sets: SetSearch, best: CauseSet, given: Sequence[Cause], about: _About
 ) -> State:
     """The causes of a set, fitted on the simulator beside those given."""
-    return search.state([*given, *(cause_of(sets, best, m) for m in best.members)], about.ground)
+    return search.state([*given, *(cause_of(sets, best, m) for m in best.members)], about.problem)
 
 
 def _base(state: State) -> list[Cause]:
-    """Causes that a ground has in its noise or its chain."""
-    return [c for c in state.causes if c.process or c.key in state.ground.base]
+    """Causes that a problem has in its noise or its chain."""
+    return [c for c in state.causes if c.process or c.key in state.problem.base]
 
 
 def _unclosed(search: Search, given: Sequence[Cause], about: _About) -> tuple[int, ...]:
     """Gyros with a gross gap, where causes of the catalogue, however many, do not close it at sizes that are
     believed.
     """
-    rows = about.ground.whiten.rows
+    rows = about.problem.whiten.rows
     whole = _squares(about.metric, about.y, rows)
     if np.sum(whole) < priors.GROSS_GAP**2:
         return ()
     for _ in range(_ROUNDS):
-        about.library.widened(Field.of(about.metric, about.y))
+        about.library.widened(WhitenedResidual.of(about.metric, about.y))
         sets = SetSearch(about.library.regression(about.metric, about.y))
         best = sets.grown(sets.of(about.members))
         metric, y = _free(about.library.columns, about.metric, about.y, sets, best)
@@ -223,7 +226,7 @@ def _free(columns: Array, metric: Metric, y: Array, sets: SetSearch, here: Cause
     """The metric in which a set's amplitudes are free, and the residual less what has no amplitude."""
     exact = [o.columns[0] for o in (sets.regression.options[m.option] for m in here.members) if o.fixed]
     left = y - columns[:, exact].sum(axis=1)
-    return metric.beside(columns[:, here.fit.columns]), left
+    return metric.with_free(columns[:, here.fit.columns]), left
 
 
 def _squares(metric: Metric, y: Array, rows: Rows) -> Array:
@@ -234,23 +237,23 @@ def _squares(metric: Metric, y: Array, rows: Rows) -> Array:
 
 
 def _about(search: Search, state: State, first: Sequence[Fit], unclosed: Sequence[int] = ()) -> _About:
-    """The candidates of a ground less those of unclosed gyros; gross causes in its chain stand among them as
+    """The candidates of a problem less those of unclosed gyros; gross causes in its chain stand among them as
     they were fitted.
     """
-    ground = state.ground
+    problem = state.problem
     base = {fit.candidate.key for fit in first}
     taken = {c.key for c in state.causes} - base
     shut = {gyro_name(i) for i in unclosed}
-    whole = len(shut) == ground.whiten.rows.n
+    whole = len(shut) == problem.whiten.rows.n
     candidates = [
         c
-        for c in ground.candidates
+        for c in problem.candidates
         if c.key not in taken | base and not shut.issuperset(c.channels) and not (whole and c.fixed)
     ]
-    library = Library([*candidates, *(fit.candidate for fit in first)], ground.whiten.rows.total)
+    library = Library([*candidates, *(fit.candidate for fit in first)], problem.whiten.rows.total)
     if not first:
-        return _About(ground, library, state.field.metric, state.field.y, ())
-    y, members = ground.y - state.model.change, []
+        return _About(problem, library, state.residual.metric, state.residual.y, ())
+    y, members = problem.y - state.model.change, []
     for fit in first:
         cause = next(c for c in state.causes if c.key == fit.candidate.key)
         block, steps = _block(search, state, cause, fit.candidate.scales)
@@ -260,7 +263,7 @@ def _about(search: Search, state: State, first: Sequence[Fit], unclosed: Sequenc
         settled, share = at_point(fit.candidate, fit.best), float(fit.candidate.log_weights[fit.best])
         number = library.settled(settled, share, block, steps, shape)
         members.append(library.member(number, sizes))
-    return _About(ground, library, ground.metric.wider(state.shapes), y, tuple(members))
+    return _About(problem, library, problem.metric.wider(state.shapes), y, tuple(members))
 
 
 def _entries_of(sets: SetSearch, causes: Sequence[Cause]) -> list[int]:
@@ -271,14 +274,14 @@ def _entries_of(sets: SetSearch, causes: Sequence[Cause]) -> list[int]:
 
 def _searched(about: _About) -> tuple[SetSearch, CauseSet]:
     """The best set, points of long grids taken in where they gain anything beside it."""
-    about.library.widened(Field.of(about.metric, about.y))
+    about.library.widened(WhitenedResidual.of(about.metric, about.y))
     members = about.members
     for _ in range(_ROUNDS):
         sets = SetSearch(about.library.regression(about.metric, about.y))
         best = sets.best(members)
         members = best.members
         if not about.library.widened(
-            Field.of(*_free(about.library.columns, about.metric, about.y, sets, best))
+            WhitenedResidual.of(*_free(about.library.columns, about.metric, about.y, sets, best))
         ):
             break
     return sets, best
@@ -308,8 +311,8 @@ def _linear(search: Search, sets: SetSearch, best: CauseSet, state: State, about
 
     Errors of its time constants and instants are marginalised, and so is how its sizes may wander.
     """
-    ground, library = about.ground, about.library
-    y = state.ground.y - state.model.change
+    problem, library = about.problem, about.library
+    y = state.problem.y - state.model.change
     free: list[Array] = []
     members: list[Member] = []
     for cause in (c for c in state.causes if c.slow):
@@ -325,7 +328,7 @@ def _linear(search: Search, sets: SetSearch, best: CauseSet, state: State, about
                 # all that it does goes with that number: by more than its error it would be free altogether
                 size = np.minimum(size, [cause.std.get(name, np.inf) for name in bent])
             free.append(_slopes(state, cause, bent) * size)
-        if bent or option.fixed or SHAPES.keys() & set(scales) or cause.key in ground.base:
+        if bent or option.fixed or SHAPES.keys() & set(scales) or cause.key in problem.base:
             block, steps = _block(search, state, cause, scales)
             settled = at_point(option.candidate, option.point)
             shape = _shape(cause, scales)
@@ -335,10 +338,10 @@ def _linear(search: Search, sets: SetSearch, best: CauseSet, state: State, about
             block, steps = library.columns[:, option.columns], option.candidate.steps[option.point]
         y = y + block @ (_sizes(cause, scales) / steps)
         members.append(member)
-    metric = ground.metric
+    metric = problem.metric
     if free:
         metric = metric.wider(np.column_stack(free))
-    return _About(ground, library, metric.wider(state.shapes), y, tuple(members))
+    return _About(problem, library, metric.wider(state.shapes), y, tuple(members))
 
 
 def _slopes(state: State, cause: Cause, names: Sequence[str]) -> Array:
@@ -360,9 +363,9 @@ def _block(search: Search, state: State, cause: Cause, scales: Sequence[str]) ->
     linear = not SHAPES.keys() & set(scales) or abs(cause.theta[scales[0]]) < _NONE
     if scales and linear:
         return _slopes(state, cause, scales), np.ones(len(scales))
-    ground = state.ground
+    problem = state.problem
     others = [c for c in state.causes if c.slow and c is not cause]
-    without = modelled_change(search.data.inputs, others, ground.whiten, ground.nominal)
+    without = modelled_change(search.data.inputs, others, problem.whiten, problem.nominal)
     return (state.model.change - without)[:, None], _sizes(cause, scales)
 
 

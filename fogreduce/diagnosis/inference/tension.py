@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.noise_model import stated_actions
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.effects.gyro_names import gyro_name
 from fogreduce.effects.table import EFFECTS
@@ -72,8 +72,8 @@ def tensions(inputs: Sequence[RunInput], state: State) -> list[Tension]:
     state : State
         The causes, whose amplitudes are free in its metric.
     """
-    metric, every = state.field.metric, tuple(one.facts.run_id for one in inputs)
-    mean = metric.shrink @ (metric.a.T @ state.field.y)
+    metric, every = state.residual.metric, tuple(one.facts.run_id for one in inputs)
+    mean = metric.shrink @ (metric.a.T @ state.residual.y)
     std = np.sqrt(np.maximum(np.diag(metric.shrink), 0.0))
     out = []
     for k, (step, sigmas) in enumerate(stated_actions(inputs)):
@@ -85,7 +85,7 @@ def tensions(inputs: Sequence[RunInput], state: State) -> list[Tension]:
         out.append(
             Tension(step.effect.name, channels, runs, parameter.unit, size, value, size * float(std[k]))
         )
-    out += _turn_on(inputs, state, state.field.y - metric.a @ mean)
+    out += _turn_on(inputs, state, state.residual.y - metric.a @ mean)
     return sorted(out, key=lambda one: -abs(one.sigma))
 
 
@@ -93,10 +93,10 @@ def _turn_on(inputs: Sequence[RunInput], state: State, left: Array) -> list[Tens
     """Turn-on biases, which stand in the noise's covariance: ``E = s^2 1' S^-1 r``."""
     out = []
     stated = inputs[0].record.stated_uncertainty.turn_on_bias_deg_h
-    for (i, r), matrix in state.ground.whiten.filters.items():
+    for (i, r), matrix in state.problem.whiten.filters.items():
         if stated[i] > 0.0:
             one = matrix.sum(axis=1)
-            value = stated[i] ** 2 * float(one @ left[state.ground.whiten.rows.of(i, r)])
+            value = stated[i] ** 2 * float(one @ left[state.problem.whiten.rows.of(i, r)])
             std = stated[i] * float(np.sqrt(max(1.0 - stated[i] ** 2 * float(one @ one), 0.0)))
             run = (inputs[r].facts.run_id,)
             out.append(Tension("turn_on_bias", (gyro_name(i),), run, "deg/h", stated[i], value, std))

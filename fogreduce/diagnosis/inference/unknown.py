@@ -13,7 +13,7 @@ import numpy as np
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import Cause
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.hierarchy import Kind
 from fogreduce.diagnosis.inference.options import Option, log_prior_of
 from fogreduce.diagnosis.inference.search import Search
@@ -77,7 +77,7 @@ def _rotations(posterior: SlowPosterior, keys: Mapping[int, tuple[object, ...]])
         numbers = len(posterior.best.fit.columns) - len(less.fit.columns)
         fewer = [
             o
-            for o in _shapes(posterior, Field.of(*posterior.beside(less)), _TABLE)
+            for o in _shapes(posterior, WhitenedResidual.of(*posterior.with_free(less)), _TABLE)
             if o.fit is not None and o.fit.candidate.columns.shape[2] < numbers
         ]
         odds = _odds(fewer).get(_TABLE, -np.inf) - priors.AS_WELL
@@ -93,7 +93,7 @@ def _in_place_of(search: Search, posterior: SlowPosterior, processes: Sequence[C
     causes = [c for c in posterior.state.causes if c.key not in gone]
     own, odds = -priors.LOG_FURTHER, -np.inf
     for process in processes:
-        state = search.state(causes, search.ground_of([c for c in causes if c.process]), refine=False)
+        state = search.state(causes, search.problem_with([c for c in causes if c.process]), refine=False)
         here = [o for o in search.options(state) if o.source.channels == channels]
         if process is processes[0]:
             odds = _odds(here).get(channels, -np.inf) - priors.LOG_FURTHER
@@ -106,17 +106,19 @@ def _families(
     search: Search, posterior: SlowPosterior, less: CauseSet, channels: tuple[str, ...]
 ) -> list[Option]:
     """Families and processes of the unknown at a place beside a set, held against what the set itself was."""
-    field = Field.of(*posterior.beside(less))
-    out = _shapes(posterior, field, channels)
-    for f in posterior.state.ground.processes.findings(field, search.allowed):
-        if f.channels == channels and not f.known:
+    residual = WhitenedResidual.of(*posterior.with_free(less))
+    out = _shapes(posterior, residual, channels)
+    for f in posterior.state.problem.processes.findings(residual, search.allowed):
+        if f.channels == channels and not f.catalogued:
             out.append(Option(None, f, f.log_b, log_prior_of(False, f.share), f.log_b))
     return out
 
 
-def _shapes(posterior: SlowPosterior, field: Field, channels: tuple[str, ...]) -> list[Option]:
-    """Families of the unknown at a place, held against a field."""
-    fits = [fit for fit in posterior.state.ground.families.fits(field) if fit.candidate.channels == channels]
+def _shapes(posterior: SlowPosterior, residual: WhitenedResidual, channels: tuple[str, ...]) -> list[Option]:
+    """Families of the unknown at a place, held against a residual."""
+    fits = [
+        fit for fit in posterior.state.problem.families.fits(residual) if fit.candidate.channels == channels
+    ]
     return [Option(fit, None, fit.log_b, log_prior_of(False, fit.candidate.share), fit.log_b) for fit in fits]
 
 
@@ -136,7 +138,7 @@ def _better_fits(options: list[Option], posterior: SlowPosterior, less: CauseSet
 
 def _chi2(posterior: SlowPosterior, here: CauseSet) -> float:
     """What a set leaves, its sizes free."""
-    return Field.of(*posterior.beside(here)).chi2
+    return WhitenedResidual.of(*posterior.with_free(here)).chi2
 
 
 def _odds(options: list[Option]) -> dict[tuple[str, ...], float]:
@@ -144,7 +146,7 @@ def _odds(options: list[Option]) -> dict[tuple[str, ...], float]:
     out: dict[tuple[str, ...], float] = {}
     for o in options:
         slow = o.fit is not None or o.process
-        if not o.known and slow:
+        if not o.catalogued and slow:
             out[o.source.channels] = float(
                 np.logaddexp(out.get(o.source.channels, -np.inf), o.score + priors.LOG_FURTHER)
             )

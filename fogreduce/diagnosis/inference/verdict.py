@@ -9,12 +9,12 @@ import numpy as np
 
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.candidate import EVERY
-from fogreduce.diagnosis.inference.evidence import Field, Fit
+from fogreduce.diagnosis.inference.evidence import Fit, WhitenedResidual
 from fogreduce.diagnosis.inference.full_rate import FullRateCauses, full_rate_causes
 from fogreduce.diagnosis.inference.gross import gross
-from fogreduce.diagnosis.inference.ground import State
 from fogreduce.diagnosis.inference.options import Option
 from fogreduce.diagnosis.inference.outcome import Named, Verdict, in_its_place
+from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.processes import process_price, with_processes
 from fogreduce.diagnosis.inference.regression import additions
 from fogreduce.diagnosis.inference.rivals import Inclusion, inclusions
@@ -28,7 +28,7 @@ _MOST_MANY, _MOST_ONE = 4, 8  # members of a group, of several runs and of one
 
 def verdict_of_sets(search: Search) -> Verdict:
     """Search sets of causes without a most number of them, and judge."""
-    first = gross(search, search.state([], search.ground))
+    first = gross(search, search.state([], search.problem))
     full_rate = full_rate_causes(search, first.state, first.settled)
     posterior = with_processes(search, [*full_rate.causes, *first.settled])
     left = unknowns(search, posterior)
@@ -43,13 +43,13 @@ def verdict_of_sets(search: Search) -> Verdict:
     if gone:
         kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
         numbers = {k: number for number, k in enumerate(kept)}
-        state = search.state([state.causes[k] for k in kept], state.ground)
+        state = search.state([state.causes[k] for k in kept], state.problem)
         named = [replace(one, index=numbers[one.index]) for one in named if one.index in numbers]
     state = _led(search, state, named)
     if posterior.unclosed or disowned:
         # what is left there is held against the noise of the record and of the causes
-        base = [c for c in state.causes if c.process or c.key in state.ground.base]
-        state = search.state(state.causes, search.ground_of(base), refine=False)
+        base = [c for c in state.causes if c.process or c.key in state.problem.base]
+        state = search.state(state.causes, search.problem_with(base), refine=False)
     word = "explained" if unknown < 0.5 else "partly_explained"
     if not named:
         word = "unexplained" if unknown >= 0.5 else "no_gap"
@@ -66,8 +66,8 @@ def _led(search: Search, state: State, named: Sequence[Named]) -> State:
             causes[one.index] = one.group[0][0].cause()
     if [c.key for c in causes] == [c.key for c in state.causes]:
         return state
-    base = [c for c in causes if c.process or c.key in state.ground.base]
-    return search.state(causes, search.ground_of(base))
+    base = [c for c in causes if c.process or c.key in state.problem.base]
+    return search.state(causes, search.problem_with(base))
 
 
 def _unheard(posterior: SlowPosterior) -> set[tuple[object, ...]]:
@@ -110,10 +110,10 @@ def _processes_instead(search: Search, posterior: SlowPosterior, entry: int) -> 
         return []
     less = posterior.sets.without(posterior.best, [entry])
     lost = posterior.best.score - less.score
-    field = Field.of(*posterior.beside(less))
+    residual = WhitenedResidual.of(*posterior.with_free(less))
     out = []
-    for found in posterior.state.ground.processes.findings(field, search.allowed):
-        if found.known and found.channels == key[1]:
+    for found in posterior.state.problem.processes.findings(residual, search.allowed):
+        if found.catalogued and found.channels == key[1]:
             score = found.log_b + process_price(found)
             # odds beyond what a number holds are certainty
             odds = float(np.exp(min(score - lost, 500.0)))

@@ -118,12 +118,12 @@ def _best(separations: _Separations, runs: Sequence[Proposal], weight: Array) ->
 
 def _today(search: Search, verdict: Verdict, rivals: Sequence[Cause]) -> list[list[Array]]:
     """Inner products of what units of the rivals' numbers change in today's runs, of each pair (k, l)."""
-    ground = verdict.state.ground
-    inputs, rows = search.data.inputs, ground.whiten.rows
+    problem = verdict.state.problem
+    inputs, rows = search.data.inputs, problem.whiten.rows
     plain = simulated(inputs, [], rows)
     parts = [np.column_stack([simulated(inputs, [u], rows) - plain for u in _units(c)]) for c in rivals]
-    white = [ground.whiten(part) for part in parts]
-    return [[ground.metric.gram(a, b) for b in white] for a in white]
+    white = [problem.whiten(part) for part in parts]
+    return [[problem.metric.gram(a, b) for b in white] for a in white]
 
 
 def _units(cause: Cause) -> list[Cause]:
@@ -281,7 +281,7 @@ class _Separations:
         key = (blocks.count, blocks.length_s, *sorted(further.items()))
         if key not in self._known:
             full = np.full((here.facts.n_gyros, blocks.count), blocks.length_s * here.facts.sample_rate_hz)
-            self._known[key] = whitener([here], [full], self.search.fast.level[:1], further)
+            self._known[key] = whitener([here], [full], self.search.full_rate.level[:1], further)
         return self._known[key]
 
 

@@ -88,7 +88,7 @@ def _refitted(diagnosis: Diagnosis, others: Sequence[Cause], truth: Cause) -> Ca
     """A rival with the values that fit best beside the other causes."""
     if not truth.slow:
         return truth
-    state = diagnosis.search.state([*others, truth], diagnosis.verdict.state.ground)
+    state = diagnosis.search.state([*others, truth], diagnosis.verdict.state.problem)
     return state.causes[-1]
 
 

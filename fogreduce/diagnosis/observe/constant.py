@@ -59,7 +59,7 @@ def constant_gyros(inputs: Sequence[RunInput], captures: Sequence[Samples]) -> t
                 count = int(counts[0])
                 wanted = count - _departure_counts(one, samples.residual[i, good], i)
                 elsewhere = max([most[s] for s in range(len(most)) if s != r], default=0)
-                kind = _judged(one, i, count, wanted, elsewhere)
+                kind = _classified(one, i, count, wanted, elsewhere)
                 here.append(Constant(one.facts.run_id, i, count, int(counts.size), kind))
         if any(one.kind == "dead" for one in here):
             here = [replace(one, kind="dead") if one.kind == "rail" else one for one in here]
@@ -79,7 +79,7 @@ def _departure_counts(one: RunInput, residual: Array, i: int) -> Array:
     return np.asarray(residual * per_deg_h, np.float64)
 
 
-def _judged(one: RunInput, i: int, count: int, wanted: Array, elsewhere: int) -> str:
+def _classified(one: RunInput, i: int, count: int, wanted: Array, elsewhere: int) -> str:
     """What a gyro is that gave `count` alone where `wanted` (N,) was to be read [counts].
 
     `elsewhere`: the largest count that it gave in other runs.

@@ -131,7 +131,7 @@ class Data:
         residual = [np.where(mask, value, 0.0) for mask, value in zip(keep, self.residual, strict=True)]
         return replace(self, residual=residual, sizes=sizes)
 
-    def beside(self, actions: Sequence[Action]) -> Data:
+    def with_effects(self, actions: Sequence[Action]) -> Data:
         """The same with the full rate held against a chain with steady effects in it.
 
         What a gross fault changes is far larger than noise: its curvature within a second passes for lines.

@@ -123,19 +123,19 @@ def _gap(diagnosis: Diagnosis) -> tuple[Array, Array]:
     probable part beside the causes is taken off both.
     """
     data, state = diagnosis.data, diagnosis.verdict.state
-    ground, rows = state.ground, state.ground.whiten.rows
+    problem, rows = state.problem, state.problem.whiten.rows
     slow = [c for c in state.causes if c.slow]
     before = rows.stacked(data.residual)
-    change = simulated(data.inputs, slow, rows) - ground.nominal if slow else np.zeros_like(before)
+    change = simulated(data.inputs, slow, rows) - problem.nominal if slow else np.zeros_like(before)
     actions = [c.action(data.run_ids, data.n) for c in slow]
     left = before - change
     columns = nuisances(data.inputs, actions)
-    white = ground.whiten(columns)
-    y = ground.whiten(left[:, None])[:, 0]
+    white = problem.whiten(columns)
+    y = problem.whiten(left[:, None])[:, 0]
     part = np.linalg.solve(np.eye(columns.shape[1]) + white.T @ white, white.T @ y)
     allowed = columns @ part
     stated = data.inputs[0].record.stated_uncertainty.turn_on_bias_deg_h
-    for (i, r), matrix in ground.whiten.filters.items():
+    for (i, r), matrix in problem.whiten.filters.items():
         here = rows.of(i, r)
         one = matrix.sum(axis=1)
         allowed[here] += stated[i] ** 2 * float(one @ (matrix @ (left - allowed)[here]))

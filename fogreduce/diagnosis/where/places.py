@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis import priors
-from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.candidate import EVERY, Candidate
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.candidates import Candidates
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.significance import TRIALS, significance
 
@@ -48,10 +48,10 @@ class Place:
 
 
 def places(
-    field: Field,
-    families: Bundles,
+    residual: WhitenedResidual,
+    families: Candidates,
     findings: Iterable[Finding],
-    processes: Callable[[Field], Iterable[Finding]],
+    processes: Callable[[WhitenedResidual], Iterable[Finding]],
     run_ids: Sequence[str],
     doubt: Doubt = lambda channels: 0.0,
     least: float = LEAST_SIGMA,
@@ -60,27 +60,27 @@ def places(
 
     Parameters
     ----------
-    field : Field
+    residual : WhitenedResidual
         Residual and metric.
     families : candidates of no cause
     findings : of the full rate
     processes : callable
-        Findings of random processes in a field.
+        Findings of random processes in a residual.
     run_ids : all runs
     doubt : callable
         Signal-to-noise ratio that departures of known causes from their shape may have at channels.
     least : float
         Significance from which on a place counts.
     """
-    found = _of_families(field, families, run_ids, doubt, least)
-    drifting = _best((_place(f, run_ids, doubt(f.channels)) for f in processes(field)), least)
+    found = _of_families(residual, families, run_ids, doubt, least)
+    drifting = _best((_place(f, run_ids, doubt(f.channels)) for f in processes(residual)), least)
     kept: list[Place] = []
     # stated uncertainties that all gyros share hand a part of a great gap to gyros where nothing is
     for place in sorted([*found, *drifting], key=lambda p: -p.sigma):
         others = [p for p in kept if p.channels != place.channels]
         if others:
-            columns = np.column_stack([_freed(p, families, len(field.y), len(run_ids)) for p in others])
-            beside = Field.of(field.metric.beside(columns), field.y)
+            columns = np.column_stack([_freed(p, families, len(residual.y), len(run_ids)) for p in others])
+            beside = WhitenedResidual.of(residual.metric.with_free(columns), residual.y)
             if place.family is not None:
                 q = max(np.sqrt(max(beside.fit(place.family).q, 0.0)) - doubt(place.channels), 0.0) ** 2
                 if q < place.q:
@@ -94,19 +94,19 @@ def places(
 
 
 def farthest(
-    field: Field,
-    families: Bundles,
+    residual: WhitenedResidual,
+    families: Candidates,
     findings: Iterable[Finding],
-    processes: Callable[[Field], Iterable[Finding]],
+    processes: Callable[[WhitenedResidual], Iterable[Finding]],
 ) -> float:
     """Significance of the statistic that is farthest out, look-elsewhere counted; 0 where that is nothing."""
-    whole = 1.001 * field.chi2 + 1.0
+    whole = 1.001 * residual.chi2 + 1.0
     sigmas = [
         significance(fit.q, fit.candidate.columns.shape[2], TRIALS * fit.candidate.columns.shape[1])
-        for fit in families.fits(field)
+        for fit in families.fits(residual)
         if 0.0 < fit.q <= whole
     ]
-    sigmas += [_place(f, ()).sigma for f in [*findings, *processes(field)]]
+    sigmas += [_place(f, ()).sigma for f in [*findings, *processes(residual)]]
     return max(sigmas, default=0.0)
 
 
@@ -157,11 +157,11 @@ def _implies(strong: Place, weak: Place) -> bool:
 
 
 def _of_families(
-    field: Field, families: Bundles, run_ids: Sequence[str], doubt: Doubt, least: float
+    residual: WhitenedResidual, families: Candidates, run_ids: Sequence[str], doubt: Doubt, least: float
 ) -> list[Place]:
     """Places of families, the most significant first, each beside those before it."""
     found: list[Place] = []
-    here = field
+    here = residual
     for _ in range(_MOST):
         top: Place | None = None
         whole = 1.001 * here.chi2 + 1.0
@@ -180,11 +180,13 @@ def _of_families(
         if top is None or top.sigma < least:
             break
         found.append(top)
-        here = Field.of(here.metric.beside(_freed(top, families, len(here.y), len(run_ids))), here.y)
+        here = WhitenedResidual.of(
+            here.metric.with_free(_freed(top, families, len(here.y), len(run_ids))), here.y
+        )
     return found
 
 
-def _freed(place: Place, families: Bundles, rows: int, runs: int) -> Array:
+def _freed(place: Place, families: Candidates, rows: int, runs: int) -> Array:
     """Whitened columns (rows, k) that a place may be: its family's; of a process, all that is slow there."""
     slow = [f for f in families if f.channels == place.channels and f.feature in ("mean", "low_frequency")]
     parts = [f for f in slow if f.columns.shape[1] == 1 and (f.runs == EVERY or runs == 1)]
@@ -208,17 +210,17 @@ def _without_weaker(found: Sequence[Place]) -> list[Place]:
     return kept
 
 
-def gross(field: Field, candidates: Iterable[Candidate]) -> list[Candidate]:
+def gross(residual: WhitenedResidual, candidates: Iterable[Candidate]) -> list[Candidate]:
     """Gross faults of wiring and timing as places: what no family of features takes in as one.
 
     Two swapped columns look like a rotation and the rest of it, a late start like a little of everything.
     """
     out = []
     for one in candidates:
-        if one.effect in _GROSS_PLACES and field.fit(one).q > _GROSS**2:
+        if one.effect in _GROSS_PLACES and residual.fit(one).q > _GROSS**2:
             other = one.extra.get("with")
             channels = (*one.channels, other) if other else one.channels
-            out.append(replace(one, channels=channels, known=False, feature=_GROSS_PLACES[one.effect]))
+            out.append(replace(one, channels=channels, catalogued=False, feature=_GROSS_PLACES[one.effect]))
     return out
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fogreduce.diagnosis.how_far.measure import Part, deviates, shows
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener
 
 ROWS = 240
@@ -92,5 +92,5 @@ def test_what_gains_no_more_than_noise_does_not_show() -> None:
     metric, blips = Metric.of(np.zeros((ROWS, 0))), np.eye(ROWS)[:, :3]
     for size, seen in ((2.0, False), (3.0, True)):
         y = size * blips[:, 0] + blips[:, 1]
-        assert shows(Field.of(metric, y), blips, 0.0) is seen
-    assert not shows(Field.of(metric, np.zeros(ROWS)), 1e-3 * blips, 1.0)
+        assert shows(WhitenedResidual.of(metric, y), blips, 0.0) is seen
+    assert not shows(WhitenedResidual.of(metric, np.zeros(ROWS)), 1e-3 * blips, 1.0)

@@ -47,7 +47,7 @@ def test_a_slope_that_a_late_coil_would_make_is_shown_as_one(tmp_path, late_s: f
     bench = simulated(tmp_path, effects)
     search = Search(read_data(bench, tmp_path / "cal"), frozenset(EFFECTS))
     causes = [Cause(name, ("gyro2",), ("*",), values, {}, {}) for name, values in put]
-    state = search.state(causes, search.ground)
+    state = search.state(causes, search.problem)
     assert [(p.channels, p.feature) for p in departed(search, state)] == [(("gyro2",), "temperature")] * shown
 
 
@@ -59,9 +59,9 @@ def judged(*sizes: float) -> Verdict:
         for name, size in zip(names, sizes, strict=False)
     ]
     named = tuple(Named(k, 0.9, 0.9, ()) for k in range(len(causes)))
-    state = SimpleNamespace(causes=causes, ground=None)
+    state = SimpleNamespace(causes=causes, problem=None)
     search = SimpleNamespace(
-        state=lambda kept, ground: SimpleNamespace(causes=kept, ground=ground), options=lambda state: []
+        state=lambda kept, problem: SimpleNamespace(causes=kept, problem=problem), options=lambda state: []
     )
     verdict = Verdict("explained", 1.0, 0.01, state, [], named)  # type: ignore[arg-type]
     return without_imitations(search, verdict)  # type: ignore[arg-type]
@@ -88,6 +88,6 @@ def test_a_smaller_cause_without_a_size_is_a_departure_of_what_a_temperature_dri
         Cause("bias_ramp", ("gyro2",), ("*",), {"deg_h_per_h": ramp_deg_h_per_h}, {}, {"deg_h_per_h": 90.0}),
     ]
     named = tuple(Named(k, 0.9, 0.9, ()) for k in range(2))
-    state = replace(search.state([], search.ground), causes=causes)
+    state = replace(search.state([], search.problem), causes=causes)
     found = without_imitations(search, Verdict("explained", 1.0, 0.01, state, [], named))
     assert (found.word, found.unknown_probability, len(found.named)) == ("explained", 0.01, left)

@@ -8,7 +8,7 @@ from bench_lab import lab, simulated
 
 from fogreduce.diagnosis.diagnose import diagnose
 from fogreduce.diagnosis.how_far.simulated import Simulated, Source
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.where.places import LEAST_SIGMA, places
 
 
@@ -27,15 +27,17 @@ def test_only_what_the_simulated_captures_do_not_show_stands_out(tmp_path) -> No
     found = diagnose(simulated(tmp_path, [ramp, step]), tmp_path / "cal")
     alone = [c for c in found.verdict.state.causes if c.effect == "bias_ramp"]
     search = found.search
-    state = search.state(alone, search.ground)
-    field = Field.of(search.ground.metric.beside(state.model.slopes), search.ground.y - state.model.change)
-    there = places(field, search.ground.families, [], lambda _: [], search.data.run_ids)
+    state = search.state(alone, search.problem)
+    residual = WhitenedResidual.of(
+        search.problem.metric.with_free(state.model.slopes), search.problem.y - state.model.change
+    )
+    there = places(residual, search.problem.families, [], lambda _: [], search.data.run_ids)
     assert there[0].sigma > 20.0
     source = Source(tmp_path / "bench", tmp_path / "cal")
     ours = Simulated(search, state, source)
     assert ours.left_of(there[0]).sigma == there[0].sigma
     # their residual beside the ramp is noise: chi-squared of as many degrees as there are blocks
-    size = len(search.ground.y)
+    size = len(search.problem.y)
     assert [f.chi2 for f in ours._fields] == pytest.approx([size] * 2, abs=5.0 * np.sqrt(2.0 * size))
     both = Simulated(search, state, source)
     both.__dict__["campaigns"] = [found.data]

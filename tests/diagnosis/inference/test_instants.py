@@ -47,5 +47,5 @@ def test_what_a_run_begins_with_is_no_step(tmp_path: Path) -> None:
     put = [{"effect": "turn_on_bias", "channels": ["gyro1"], "runs": ["r1"], "parameters": {"deg_h": 6.0}}]
     search = Search(read_data(simulated(tmp_path, put), tmp_path / "cal"), frozenset(EFFECTS))
     step = Cause("bias_step", ("gyro1",), ("r1",), {"deg_h": 6.0, "time_s": 1.5}, {}, {})
-    (found,) = search.state([step], search.ground).causes
+    (found,) = search.state([step], search.problem).causes
     assert found.theta["time_s"] >= search.data.inputs[1].scene.blocks.length_s

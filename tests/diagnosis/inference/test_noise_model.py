@@ -7,7 +7,7 @@ import pytest
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
-from fogreduce.diagnosis.inference.evidence import LOG_WEIGHTS, SCALES, Field, log_bayes
+from fogreduce.diagnosis.inference.evidence import LOG_WEIGHTS, SCALES, WhitenedResidual, log_bayes
 from fogreduce.diagnosis.inference.noise_model import Metric, Rows, Whitener
 from fogreduce.diagnosis.inference.significance import deviate
 from fogreduce.physics.special import log_chi2_tail
@@ -42,7 +42,7 @@ def test_chi_squared_of_noise_is_its_number_of_rows() -> None:
     a = 5.0 * generator.standard_normal((2000, 3))
     y = generator.standard_normal(2000) + a @ generator.standard_normal(3)
     # a sum of 2000 squares of unit deviates: 2000 +- 63
-    assert Field.of(Metric.of(a), y).chi2 == pytest.approx(2000.0, abs=4 * 63.0)
+    assert WhitenedResidual.of(Metric.of(a), y).chi2 == pytest.approx(2000.0, abs=4 * 63.0)
 
 
 @pytest.mark.parametrize("z", [1.0, 4.0, 12.0, 60.0])

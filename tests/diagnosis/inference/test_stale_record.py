@@ -92,5 +92,5 @@ def test_nothing_wrong_is_nothing(bench) -> None:
 def test_what_is_found_leaves_noise(bench) -> None:
     """Squared deviates beside the causes: as many as rows, within four of their own standard deviations."""
     verdict = judged(bench, [*OFFSETS, *SCALES], "eight")
-    rows = len(verdict.state.field.y)
-    assert abs(verdict.state.field.chi2 - rows) < 4.0 * np.sqrt(2.0 * rows)
+    rows = len(verdict.state.residual.y)
+    assert abs(verdict.state.residual.chi2 - rows) < 4.0 * np.sqrt(2.0 * rows)

@@ -25,5 +25,5 @@ def test_a_process_in_whose_stead_something_unknown_stands_is_in_no_noise(
     monkeypatch.setattr(verdict, "unknowns", lambda search, posterior: instead)
     found = verdict.verdict_of_sets(search)
     assert (found.word, found.state.causes) == ("unexplained", [])
-    left, whole = found.state.field.chi2, search.state([], search.ground).field.chi2
+    left, whole = found.state.residual.chi2, search.state([], search.problem).residual.chi2
     assert left == pytest.approx(whole)

@@ -120,7 +120,7 @@ def test_at_the_stated_amplitude_the_stated_share_is_seen(tmp_path, effect) -> N
     for seed in range(20):
         bench = simulated(tmp_path, [entry], "bench", 500 + seed)
         search = Search(read_data(bench, tmp_path / "cal"), frozenset(EFFECTS))
-        options = search.options(search.state([], search.ground))
+        options = search.options(search.state([], search.problem))
         seen += bool(np.logaddexp.reduce([option.score for option in options]) + priors.LOG_GAP > 0.0)
         shutil.rmtree(bench)
     # of 20 at 0.9: fewer than 14 once in 400 times

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from bench_lab import diagnosed, lab, simulated
 
-from fogreduce.diagnosis.inference.bundles import Bundles
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.candidates import Candidates
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.noise_model import Metric
 from fogreduce.diagnosis.where.places import Place, document, places
@@ -57,8 +57,8 @@ def test_what_a_line_leaves_in_other_statistics_is_no_place_of_its_own() -> None
         finding("level", "band", "gyro1", 5e5),
         finding("codes", "codes", "gyro2", 1e3),
     ]
-    rows = Field.of(Metric.of(np.zeros((4, 0))), np.zeros(4))
-    found = places(rows, Bundles([]), there, lambda _: [], ["r0"])
+    rows = WhitenedResidual.of(Metric.of(np.zeros((4, 0))), np.zeros(4))
+    found = places(rows, Candidates([]), there, lambda _: [], ["r0"])
     assert {(p.channels[0], p.feature) for p in found} == {
         ("gyro1", "line"),
         ("gyro1", "band"),

@@ -45,7 +45,7 @@ class Line:
         Numbers that were free.
     taken : bool
         Whether the odds are for it, and it was taken out of the samples.
-    known : bool
+    catalogued : bool
         Whether the catalogue has its like: not two lines and their mixture.
     by_run : mapping
         Run id -> (amplitude [deg/h], its standard deviation).
@@ -63,7 +63,7 @@ class Line:
     share: float
     degrees: int
     taken: bool
-    known: bool = True
+    catalogued: bool = True
     by_run: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def of(self, run_ids: Sequence[str]) -> Line | None:

@@ -151,5 +151,5 @@ def _with_mixtures(
         if mix.log_b + priors.A_MIXTURE - np.log(spectra.n) > alone:
             out = [x for x in out if x not in own]
             two = _seen(spectra, Candidate(i, mix.index, mix.log_b, mix.gain))
-            out.append(replace(two, known=False, degrees=2, taken=bool(own)))
+            out.append(replace(two, catalogued=False, degrees=2, taken=bool(own)))
     return out

@@ -34,7 +34,9 @@ def once_each(lines: Sequence[Line], run_ids: Sequence[str]) -> list[Line]:
 
 
 def _same(one: Line, other: Line) -> bool:
-    if one.channels != other.channels or not (one.taken and other.taken and one.known and other.known):
+    if one.channels != other.channels or not (
+        one.taken and other.taken and one.catalogued and other.catalogued
+    ):
         return False
     if set(one.runs) & set(other.runs):
         return False

@@ -120,7 +120,7 @@ class Levels:
         result: Array = (ratio - share) / (1.0 - share)
         return result
 
-    def beside(self, kind: str, size: float, i: int) -> Array:
+    def with_process(self, kind: str, size: float, i: int) -> Array:
         """Shape (F,) that a further process gives the spectrum of gyro i; a smooth one does not show."""
         if kind not in ("flicker", "walk"):
             return np.ones(len(self.frequency))
@@ -345,7 +345,7 @@ def level_findings(
         else:
             add("unknown", log_z, snr2, {}, "band", "noise")
     for effect, (kind, parameter) in DRIFTS.items():
-        shape = (lv.beside(kind, 1.0, i) - 1.0)[keep]
+        shape = (lv.with_process(kind, 1.0, i) - 1.0)[keep]
         sizes = np.sqrt(_DRIFT_POWERS / max(float(shape.max()), 1e-300))
         gains = 1.0 + sizes[:, None] ** 2 * shape
         under = ratio / gains

@@ -16,14 +16,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.inference.evidence import Field, log_mean_exp
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual, log_mean_exp
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.inference.noise_model import Whitener
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.which.catalogue.unlogged import HOLDS_S, UNLOGGED
 from fogreduce.diagnosis.which.full_rate.spectrum import DRIFTS
 from fogreduce.diagnosis.which.processes.jumps import Record, jumps_add
-from fogreduce.diagnosis.which.processes.shapes import Known, Shapes
+from fogreduce.diagnosis.which.processes.shapes import ProcessCache, Shapes
 from fogreduce.diagnosis.which.processes.sizes import size_logs, whole_evidence
 from fogreduce.effects.gyro_names import gyro_name
 
@@ -45,7 +45,7 @@ class Processes:
     whiten : Whitener
     plain : (n, blocks) arrays
         Predicted readings in each run's blocks [deg/h].
-    known : Known
+    cache : ProcessCache
         What was found before, to which more is added.
     """
 
@@ -54,37 +54,39 @@ class Processes:
         inputs: Sequence[RunInput],
         whiten: Whitener,
         plain: Sequence[Array],
-        known: Known | None = None,
+        cache: ProcessCache | None = None,
     ) -> None:
         self.inputs, self.whiten = inputs, whiten
-        self._shapes = Shapes(inputs, whiten, plain, known or Known())
+        self._shapes = Shapes(inputs, whiten, plain, cache or ProcessCache())
         self._found: dict[tuple[bytes, frozenset[str]], list[Finding]] = {}
         self._warm = all(one.scene.temperature is not None for one in inputs)
         self._turns = any(bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs)
 
-    def findings(self, field: Field, allowed: frozenset[str]) -> list[Finding]:
+    def findings(self, residual: WhitenedResidual, allowed: frozenset[str]) -> list[Finding]:
         """Every process at every gyro; remembered, for a residual may come again.
 
         Parameters
         ----------
-        field : Field
+        residual : WhitenedResidual
             Whitened residual less causes, and the metric of stated uncertainties and causes.
         allowed : names of effects
         """
-        left = field.metric.without(field.y)
+        left = residual.metric.without(residual.y)
         key = (left.tobytes(), allowed)
         if key not in self._found:
-            self._found[key] = list(self._findings(field, left, allowed))
+            self._found[key] = list(self._findings(residual, left, allowed))
         return self._found[key]
 
-    def _findings(self, field: Field, left: Array, allowed: frozenset[str]) -> Iterator[Finding]:
+    def _findings(
+        self, residual: WhitenedResidual, left: Array, allowed: frozenset[str]
+    ) -> Iterator[Finding]:
         n = self.whiten.rows.n
         # what may jump: place, its record, and ln evidence, gain and share of the process without jumps
         jumping: list[tuple[tuple[str, ...], Record, float, float, float]] = []
         for i in range(n):
             name = (gyro_name(i),)
             for effect, (kind, parameter) in DRIFTS.items():
-                log_b, gain, value, std = self._held(left, i, kind)
+                log_b, gain, value, std = self._weighed(left, i, kind)
                 known = effect in allowed
                 yield Finding(
                     effect if known else "unknown",
@@ -101,13 +103,13 @@ class Processes:
                     (kind, value) if known else None,
                 )
             if not self._warm:
-                yield from self._unlogged(field, left, i, allowed)
+                yield from self._unlogged(residual, left, i, allowed)
             kinds = [("forgets", _SHARE)]
             if self._turns:
                 kinds.append(("gain forgets", _SHARE * _OF_GAIN))
             for kind, weight in kinds:
                 share = weight / n
-                found = [self._held(left, i, f"{kind} {time}") for time in _FORGETS_S]
+                found = [self._weighed(left, i, f"{kind} {time}") for time in _FORGETS_S]
                 for log_b, gain, _, _ in found:
                     yield _unknown(name, log_b, gain, share / len(_FORGETS_S))
                 best = max(found, key=lambda one: one[0])
@@ -118,7 +120,9 @@ class Processes:
         for (place, _, log_b, gain, share), more in zip(jumping, added, strict=True):
             yield _unknown(place, log_b + more, gain + more, share)
 
-    def _unlogged(self, field: Field, left: Array, i: int, allowed: frozenset[str]) -> Iterator[Finding]:
+    def _unlogged(
+        self, residual: WhitenedResidual, left: Array, i: int, allowed: frozenset[str]
+    ) -> Iterator[Finding]:
         """What a temperature without a log may do at gyro i; nobody knows how far it went: it has no numbers.
 
         That there is one, its waveform says. Which effect it drives, the runs' means say as well: warmth
@@ -129,12 +133,12 @@ class Processes:
         for effect, kind in UNLOGGED.items():
             if kind.startswith("gain") and not self._turns:
                 continue
-            found = [(*self._held(left, i, f"{kind} {hold}")[:3], f"{kind} {hold}") for hold in HOLDS_S]
+            found = [(*self._weighed(left, i, f"{kind} {hold}")[:3], f"{kind} {hold}") for hold in HOLDS_S]
             _, gain, size, best = max(found, key=lambda one: one[0])
             held[effect] = float(log_mean_exp(np.array([one[0] for one in found]))), gain, size, best
         total = float(np.logaddexp.reduce([one[0] for one in held.values()]))
         # less than no evidence at all makes none of them a rival of anything: then theirs stay as they are
-        shares = self._shares(field, i, list(held)) if total > 0.0 else {}
+        shares = self._shares(residual, i, list(held)) if total > 0.0 else {}
         for effect, (log_b, gain, size, best) in held.items():
             if shares:
                 log_b = total + shares[effect]
@@ -156,7 +160,7 @@ class Processes:
                 (best, size),
             )
 
-    def _shares(self, field: Field, i: int, effects: Sequence[str]) -> dict[str, float]:
+    def _shares(self, residual: WhitenedResidual, i: int, effects: Sequence[str]) -> dict[str, float]:
         """Ln of the part that each effect without a log has in what they explain together, means in it."""
         runs = range(len(self.inputs))
         rows, whole = [self.whiten.rows.of(i, r) for r in runs], []
@@ -165,7 +169,7 @@ class Processes:
             factors = [None if kind == UNLOGGED[effect] else p[i] for p in self._shapes.reading]
             logs = [
                 whole_evidence(
-                    field, rows, [self._shapes.modes(i, r, f"{kind} {hold}", factors[r]) for r in runs]
+                    residual, rows, [self._shapes.modes(i, r, f"{kind} {hold}", factors[r]) for r in runs]
                 )
                 for hold in HOLDS_S
             ]
@@ -203,7 +207,7 @@ class Processes:
             [np.full(len(d), float(k)) for d, k in every]
         )
 
-    def _held(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
+    def _weighed(self, left: Array, i: int, kind: str) -> tuple[float, float, float, float]:
         """Ln B, best gain in ln likelihood, best size and its error."""
         # runs that share a filter share eigenvectors: (their variances, how many runs, sums of powers)
         alike: dict[int, tuple[Array, list[Array]]] = {}

@@ -27,7 +27,7 @@ _ALIKE = 0.05
 
 
 @dataclass
-class Known:
+class ProcessCache:
     """What was found under filters, by the filters' ids; these are kept too, so that no other has their ids.
 
     Attributes
@@ -68,7 +68,7 @@ class Shapes:
     whiten : Whitener
     plain : (n, blocks) arrays
         Predicted readings in each run's blocks [deg/h].
-    known : Known
+    cache : ProcessCache
         What was found before, to which more is added.
 
     Attributes
@@ -78,33 +78,33 @@ class Shapes:
     """
 
     def __init__(
-        self, inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array], known: Known
+        self, inputs: Sequence[RunInput], whiten: Whitener, plain: Sequence[Array], cache: ProcessCache
     ) -> None:
-        self.inputs, self.whiten, self._known = inputs, whiten, known
-        self.reading = known.alike(relative(plain))
+        self.inputs, self.whiten, self._cache = inputs, whiten, cache
+        self.reading = cache.alike(relative(plain))
 
     def inverse(self, i: int, r: int) -> tuple[Array, Background]:
         """What turns whitened rows of a gyro in a run back, and the background that it makes of them."""
         matrix = self.whiten.filters[i, r]
-        if id(matrix) not in self._known.inverses:
+        if id(matrix) not in self._cache.inverses:
             inverse = np.asarray(np.linalg.inv(matrix), np.float64)
             middle = inverse[len(inverse) // 2]
             background = Background.of(inverse[len(inverse) // 2 :] @ middle)
-            self._known.inverses[id(matrix)] = (inverse, background, matrix)
-        return self._known.inverses[id(matrix)][:2]
+            self._cache.inverses[id(matrix)] = (inverse, background, matrix)
+        return self._cache.inverses[id(matrix)][:2]
 
     def modes(self, i: int, r: int, kind: str, factor: Array | None) -> tuple[Array, Array]:
         """Modes of a smooth process at gyro i in a run, whitened (blocks, m), and their inner products."""
         matrix, blocks = self.whiten.filters[i, r], self.inputs[r].scene.blocks
         at: tuple[object, ...] = (kind, blocks.count, blocks.length_s)
-        if at not in self._known.modes:
-            self._known.modes[at] = smooth_modes(kind, blocks)
+        if at not in self._cache.modes:
+            self._cache.modes[at] = smooth_modes(kind, blocks)
         key = (id(matrix), *at, None if factor is None else factor.tobytes())
-        if key not in self._known.whitened:
-            modes = self._known.modes[at]
+        if key not in self._cache.whitened:
+            modes = self._cache.modes[at]
             modes = matrix @ (modes if factor is None else modes * factor[:, None])
-            self._known.whitened[key] = (modes, modes.T @ modes, matrix)
-        return self._known.whitened[key][:2]
+            self._cache.whitened[key] = (modes, modes.T @ modes, matrix)
+        return self._cache.whitened[key][:2]
 
     def of(self, i: int, r: int, kind: str) -> tuple[Array, Array]:
         """Eigenvectors (blocks, D) and variances (D,) of a process; ``gain K``: of K times the reading."""
@@ -124,7 +124,7 @@ class Shapes:
             # means over blocks cannot tell times that are shorter than a block apart
             kind = f"forgets {max(float(kind.split()[1]), 1.2 * blocks.length_s)}"
         key = (id(matrix), kind, None if factor is None else factor.tobytes())
-        if key not in self._known.eigen:
+        if key not in self._cache.eigen:
             constant = matrix.sum(axis=1)
             constant = constant / np.linalg.norm(constant)
             if kind.split()[0] in _SMOOTH:
@@ -145,8 +145,8 @@ class Shapes:
                 values, vectors = np.linalg.eigh(white)
                 some = values > SOME * values[-1]
                 vectors = vectors[:, some]
-            self._known.eigen[key] = (vectors, values[some], matrix)
-        return self._known.eigen[key][:2]
+            self._cache.eigen[key] = (vectors, values[some], matrix)
+        return self._cache.eigen[key][:2]
 
 
 def _covariance(kind: str, blocks: Blocks) -> Array:

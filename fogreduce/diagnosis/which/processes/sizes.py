@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.inference.evidence import Field, log_mean_exp
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual, log_mean_exp
 from fogreduce.diagnosis.inference.family import diagonal
 from fogreduce.diagnosis.inference.noise_model import process_covariance
 from fogreduce.diagnosis.observe.blocks import Blocks
@@ -53,22 +53,24 @@ def smooth_modes(kind: str, blocks: Blocks) -> Array:
     return modes
 
 
-def whole_evidence(field: Field, rows: Sequence[slice], parts: Sequence[tuple[Array, Array]]) -> float:
+def whole_evidence(
+    residual: WhitenedResidual, rows: Sequence[slice], parts: Sequence[tuple[Array, Array]]
+) -> float:
     """Ln B of a smooth process in the metric of all stated uncertainties, the runs' means in it.
 
     Parameters
     ----------
-    field : Field
+    residual : WhitenedResidual
         Residual and metric.
     rows : slices
         Of the gyro in each run.
     parts : (blocks, m) and (m, m) arrays
         Whitened modes of the process in each run, and their inner products.
     """
-    cross = np.hstack([field.metric.a[at].T @ modes for at, (modes, _) in zip(rows, parts, strict=True)])
-    b = np.concatenate([modes.T @ field.y[at] for at, (modes, _) in zip(rows, parts, strict=True)])
-    b -= cross.T @ field.shrunk
-    gram = diagonal([inner for _, inner in parts]) - cross.T @ (field.metric.shrink @ cross)
+    cross = np.hstack([residual.metric.a[at].T @ modes for at, (modes, _) in zip(rows, parts, strict=True)])
+    b = np.concatenate([modes.T @ residual.y[at] for at, (modes, _) in zip(rows, parts, strict=True)])
+    b -= cross.T @ residual.shrunk
+    gram = diagonal([inner for _, inner in parts]) - cross.T @ (residual.metric.shrink @ cross)
     d, vectors = np.linalg.eigh(gram)
     some = d > SOME * d[-1]
     z2 = (vectors[:, some].T @ b) ** 2 / d[some]

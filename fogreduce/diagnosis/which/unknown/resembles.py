@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.diagnosis.inference.candidate import Candidate
-from fogreduce.diagnosis.inference.evidence import Field, Fit
+from fogreduce.diagnosis.inference.evidence import Fit, WhitenedResidual
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.where.places import Place
 
@@ -49,13 +49,16 @@ class Resemblance:
 
 
 def resembling(
-    field: Field, candidates: Iterable[Candidate], findings: Sequence[Finding], unknown: Sequence[Place]
+    residual: WhitenedResidual,
+    candidates: Iterable[Candidate],
+    findings: Sequence[Finding],
+    unknown: Sequence[Place],
 ) -> list[Resemblance]:
     """Effects that come nearest to what is unknown, place by place, the one that closes most first.
 
     Parameters
     ----------
-    field : Field
+    residual : WhitenedResidual
         What is left beside the causes, and its metric.
     candidates : of the catalogue
     findings : of the full rate
@@ -69,20 +72,22 @@ def resembling(
     for channels, places in by_channels.items():
         families = [p.family for p in places if p.family is not None]
         if families:
-            found += _slow(field, [c for c in known if c.channels == channels], families)
+            found += _slow(residual, [c for c in known if c.channels == channels], families)
         else:
-            found += _full_rate([f for f in findings if f.channels == channels and f.known], places)
+            found += _full_rate([f for f in findings if f.channels == channels and f.catalogued], places)
     return found
 
 
-def _slow(field: Field, candidates: Sequence[Candidate], families: Sequence[Candidate]) -> list[Resemblance]:
+def _slow(
+    residual: WhitenedResidual, candidates: Sequence[Candidate], families: Sequence[Candidate]
+) -> list[Resemblance]:
     """Of effects in block means: what each takes of all that its best columns and the families show."""
-    rows = len(field.y)
+    rows = len(residual.y)
     wide = np.column_stack([_whole(f, 0, rows) for f in families])
     best: dict[str, tuple[float, Resemblance]] = {}
-    for fit in sorted((field.fit(c) for c in candidates), key=lambda fit: -fit.q)[: 4 * _MOST]:
+    for fit in sorted((residual.fit(c) for c in candidates), key=lambda fit: -fit.q)[: 4 * _MOST]:
         c = fit.candidate
-        gap = _squared(field, np.column_stack([wide, _whole(c, fit.best, rows)]))
+        gap = _squared(residual, np.column_stack([wide, _whole(c, fit.best, rows)]))
         one = Resemblance(c.effect, c.channels, c.runs, *_share(fit, gap))
         # a place of its own is a number: of effects that close as much, that with fewer
         if c.effect not in best or fit.log_b > best[c.effect][0]:
@@ -122,11 +127,11 @@ def _whole(c: Candidate, point: int, rows: int) -> Array:
     return out
 
 
-def _squared(field: Field, columns: Array) -> float:
+def _squared(residual: WhitenedResidual, columns: Array) -> float:
     """Squared deviates of what is left over the span of columns."""
-    gram = field.metric.gram(columns, columns)
+    gram = residual.metric.gram(columns, columns)
     size = np.sqrt(np.diag(gram) + 1e-300)
     values, vectors = np.linalg.eigh(gram / np.outer(size, size))
     some = values > _ALIKE * values[-1]
-    b = field.metric.gram(columns, field.y[:, None])[:, 0] / size
+    b = residual.metric.gram(columns, residual.y[:, None])[:, 0] / size
     return float(np.sum((vectors[:, some].T @ b) ** 2 / values[some]))

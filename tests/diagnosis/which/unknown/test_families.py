@@ -19,7 +19,7 @@ NAMES = frozenset({"latitude_error", "mount_rotation", "heading_error", "bias_st
 
 
 @pytest.fixture(scope="module")
-def ground(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[RunInput], Whitener, Builder]:
+def problem(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[RunInput], Whitener, Builder]:
     """Six runs without captures, their filters, and what builds candidates."""
     root = tmp_path_factory.mktemp("lab")
     lab(root)
@@ -44,18 +44,18 @@ def _left(column: Array, family: Candidate) -> float:
 
 @pytest.mark.parametrize("effect", ["latitude_error", "heading_error"])
 def test_a_site_that_is_off_is_a_rotation_fixed_in_the_room(
-    ground: tuple[list[RunInput], Whitener, Builder], effect: str
+    problem: tuple[list[RunInput], Whitener, Builder], effect: str
 ) -> None:
-    inputs, whiten, builder = ground
+    inputs, whiten, builder = problem
     known = next(one for one in all_candidates(builder) if one.effect == effect)
     found = [f for f in families(inputs, whiten, builder.plain, NAMES) if f.channels == ("table",)]
     assert min(_left(known.columns[:, 0, 0], f) for f in found) < 1e-3
 
 
 def test_a_unit_set_askew_is_an_axis_tipped_in_every_run(
-    ground: tuple[list[RunInput], Whitener, Builder],
+    problem: tuple[list[RunInput], Whitener, Builder],
 ) -> None:
-    inputs, whiten, builder = ground
+    inputs, whiten, builder = problem
     known = next(one for one in all_candidates(builder) if one.effect == "mount_rotation")
     found = [f for f in families(inputs, whiten, builder.plain, NAMES) if f.channels == ("table",)]
     for k in range(3):
@@ -63,9 +63,9 @@ def test_a_unit_set_askew_is_an_axis_tipped_in_every_run(
 
 
 def test_a_step_is_among_the_families_of_its_run(
-    ground: tuple[list[RunInput], Whitener, Builder],
+    problem: tuple[list[RunInput], Whitener, Builder],
 ) -> None:
-    inputs, whiten, builder = ground
+    inputs, whiten, builder = problem
     known = next(one for one in all_candidates(builder) if one.effect == "bias_step")
     found = families(inputs, whiten, builder.plain, NAMES)
     same = [f for f in found if (f.channels, f.runs, f.feature) == (known.channels, known.runs, "step")]

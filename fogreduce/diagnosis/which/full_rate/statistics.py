@@ -26,7 +26,7 @@ _WIRING = ("channel_swap", "polarity_error", "rotation_sense", "start_offset", "
 _UNKNOWN_SHARE = 0.3  # of what is unknown of lines, mixtures have
 
 
-class Fast:
+class FullRateStatistics:
     """Findings of the full rate.
 
     Parameters
@@ -58,7 +58,7 @@ class Fast:
         self.lines = [_line_finding(line, allowed) for line in data.lines]
         spoiled = [[line.hz for line in data.lines if line.taken]] * n
         self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, colour, data.own_noise)
-        self.held = [self._held_by_repeats(i) for i in range(n)]
+        self.repeat_shape = [self._shape_of_repeats(i) for i in range(n)]
         self.level = self._low_level()
         self._cache: dict[object, list[Finding]] = {}
 
@@ -84,12 +84,12 @@ class Fast:
         for i in range(self.data.n if lv is not None else 0):
             assert lv is not None
             keep = lv.keep[i] & lv.lowest & (lv.pieces[i] > 0)
-            part = lv.ratio[i] / self.held[i]
+            part = lv.ratio[i] / self.repeat_shape[i]
             rivals = frozenset({"low_pass", "angle_random_walk", *DRIFTS})
-            found = level_findings(lv, i, rivals, self.held[i], False)
+            found = level_findings(lv, i, rivals, self.repeat_shape[i], False)
             best = max(found, key=lambda f: f.log_b, default=None)
             if best is not None and best.process is not None and best.log_b > 3.0:
-                part = part / lv.beside(*best.process, i)
+                part = part / lv.with_process(*best.process, i)
             if keep.any():
                 white = np.average(lv.less_drift(part, i)[keep], weights=lv.pieces[i, keep])
                 out[i] = float(np.sqrt(max(white, 1e-4)))
@@ -97,7 +97,7 @@ class Fast:
                 out[i] = 1.0
         return np.clip(out, 0.2, 1e3) * self._rounding() * self.data.own_noise
 
-    def _held_by_repeats(self, i: int) -> Array:
+    def _shape_of_repeats(self, i: int) -> Array:
         """Shape of the spectrum of white noise whose samples repeat with the share found: q^|k|
         correlated.
         """
@@ -146,19 +146,19 @@ class Fast:
             return out
         for i in range(self.data.n):
             here = [f for f in mine if f.domain == "level" and f.channels == (f"gyro{i + 1}",)]
-            held = self.held[i].copy()
+            shape = self.repeat_shape[i].copy()
             for f in here:
                 if f.effect == "low_pass":
                     tau = float(f.parameters["time_constant_ms"][0])
-                    held *= self.levels.low_passed(tau, i)
+                    shape *= self.levels.low_passed(tau, i)
             for f in mine:
                 if f.process is not None and f.channels == (f"gyro{i + 1}",):
-                    held *= self.levels.beside(*f.process, i)
+                    shape *= self.levels.with_process(*f.process, i)
             free = any(f.effect == "angle_random_walk" for f in here)
             named = {f.effect for f in here}
             allowed = self.allowed - named
             filtered = "low_pass" in named
-            for f in level_findings(self.levels, i, allowed, held, free, filtered):
+            for f in level_findings(self.levels, i, allowed, shape, free, filtered):
                 if not (f.effect == "unknown" and f.feature == "white" and (free or filtered)):
                     out.append(f)
         if not any(f.domain == "correlation" for f in mine):
@@ -170,7 +170,7 @@ def _line_finding(line: Line, allowed: frozenset[str]) -> Finding:
     """A line as what an effect of the catalogue does, or as unknown."""
     table = line.channels == ("table",)
     effect = "base_motion" if table else "periodic_interference"
-    known = line.known and effect in allowed
+    known = line.catalogued and effect in allowed
     parameters: dict[str, tuple[Any, Any]] = {
         "deg_h": (line.deg_h, line.std),
         "frequency_hz": (line.hz, line.hz_std),
@@ -184,7 +184,7 @@ def _line_finding(line: Line, allowed: frozenset[str]) -> Finding:
         line.log_b,
         2.0 * line.gain,
         parameters,
-        line.share * (1.0 if line.known else _UNKNOWN_SHARE),
+        line.share * (1.0 if line.catalogued else _UNKNOWN_SHARE),
         "lines" if line.runs == ("*",) else "lines of " + " ".join(line.runs),
         "table" if table else "noise",
         "line",

@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fogreduce.diagnosis.inference.bundles import Bundles
+from fogreduce.diagnosis.inference.candidates import Candidates
 from fogreduce.diagnosis.inference.causes import Cause
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.model import Model
 from fogreduce.diagnosis.inference.noise_model import Metric, Whitener
-from fogreduce.diagnosis.which.full_rate.fast import Fast
+from fogreduce.diagnosis.which.full_rate.statistics import FullRateStatistics
 from fogreduce.diagnosis.which.processes.processes import Processes
 
 Array = NDArray[np.float64]
@@ -22,17 +22,17 @@ Key = tuple[str, tuple[str, ...], tuple[str, ...], str]
 
 
 @dataclass
-class Ground:
+class Problem:
     """What candidates are held against: whitener, metric, residual, candidates, full rate."""
 
     whiten: Whitener
     metric: Metric
     y: Array
     nominal: Array
-    candidates: Bundles
-    families: Bundles
+    candidates: Candidates
+    families: Candidates
     processes: Processes
-    fast: Fast
+    full_rate: FullRateStatistics
     base: frozenset[Key] = frozenset()
 
 
@@ -46,9 +46,9 @@ class State:
         Causes that change block means, simulated.
     causes : list of Cause
         All of them.
-    field : Field
+    residual : WhitenedResidual
         Residual left, in a metric in which their amplitudes are free and wander.
-    ground : Ground
+    problem : Problem
         What it stands on.
     shapes : (rows, d) array
         How the causes may wander, whitened, one standard deviation each.
@@ -56,15 +56,15 @@ class State:
 
     model: Model
     causes: list[Cause]
-    field: Field
-    ground: Ground
+    residual: WhitenedResidual
+    problem: Problem
     shapes: Array
 
     @cached_property
     def seen(self) -> float:
         """Share of what the causes change that the stated uncertainties could not have made."""
         change = self.model.change
-        left = self.ground.metric.without(change)
+        left = self.problem.metric.without(change)
         return max(float(change @ left), 0.0) / max(float(change @ change), 1e-300)
 
 

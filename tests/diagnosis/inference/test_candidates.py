@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from bench_lab import lab, simulated
 
-from fogreduce.diagnosis.inference.bundles import Bundles
 from fogreduce.diagnosis.inference.candidate import pairs
-from fogreduce.diagnosis.inference.evidence import Field
+from fogreduce.diagnosis.inference.candidates import Candidates
+from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.noise_model import Metric
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.observe.data import Data, read_data
@@ -48,7 +48,7 @@ def test_inner_products_point_by_point(points, k, other) -> None:
 
 
 def test_a_whitener_is_its_filters_one_by_one(search) -> None:
-    whiten = search.ground.whiten
+    whiten = search.problem.whiten
     values = columns(whiten.rows.total, 3, 1)[:, :, 0]
     plain = np.empty_like(values)
     for (i, r), matrix in whiten.filters.items():
@@ -59,14 +59,14 @@ def test_a_whitener_is_its_filters_one_by_one(search) -> None:
 
 
 def test_candidates_fitted_together_are_fitted_as_alone(search) -> None:
-    further = columns(search.ground.whiten.rows.total, 2, 1)[:, :, 0]
-    plain = Metric.of(search.ground.metric.a)
-    for metric in (search.ground.metric, search.ground.metric.beside(further)):
-        field = Field.of(metric, search.ground.y)
+    further = columns(search.problem.whiten.rows.total, 2, 1)[:, :, 0]
+    plain = Metric.of(search.problem.metric.a)
+    for metric in (search.problem.metric, search.problem.metric.with_free(further)):
+        residual = WhitenedResidual.of(metric, search.problem.y)
         # a metric of its own, that remembers nothing
-        bare = Field.of(Metric.of(metric.a) if metric.parent else plain, search.ground.y)
-        for bundles in (search.ground.candidates, search.ground.families):
-            for fit in bundles.fits(field):
+        bare = WhitenedResidual.of(Metric.of(metric.a) if metric.parent else plain, search.problem.y)
+        for candidates in (search.problem.candidates, search.problem.families):
+            for fit in candidates.fits(residual):
                 alone = bare.fit(fit.candidate)
                 assert fit.best == alone.best
                 assert fit.log_b == pytest.approx(alone.log_b, rel=1e-7, abs=1e-7)
@@ -75,8 +75,8 @@ def test_candidates_fitted_together_are_fitted_as_alone(search) -> None:
 
 
 def test_bundles_keep_the_order(search) -> None:
-    candidates = list(search.ground.families)
-    fits = Bundles(candidates).fits(Field.of(search.ground.metric, search.ground.y))
+    candidates = list(search.problem.families)
+    fits = Candidates(candidates).fits(WhitenedResidual.of(search.problem.metric, search.problem.y))
     assert all(fit.candidate is one for fit, one in zip(fits, candidates, strict=True))
 
 
@@ -94,11 +94,11 @@ def test_a_motion_worked_out_before_changes_nothing(data, effect, channel, param
 
 def test_filters_and_eigenvectors_made_before_are_those_made_anew(data, search) -> None:
     again = Search(data, search.allowed)
-    field = again.state([], again.ground).field
-    first = list(search.ground.processes.findings(field, search.allowed))
-    search._ground(())
-    second = list(search._ground(()).processes.findings(field, search.allowed))
-    anew = list(again.ground.processes.findings(field, search.allowed))
+    residual = again.state([], again.problem).residual
+    first = list(search.problem.processes.findings(residual, search.allowed))
+    search._problem(())
+    second = list(search._problem(()).processes.findings(residual, search.allowed))
+    anew = list(again.problem.processes.findings(residual, search.allowed))
     for one, two, three in zip(first, second, anew, strict=True):
         assert one.log_b == two.log_b
         assert one.log_b == pytest.approx(three.log_b, rel=1e-9)

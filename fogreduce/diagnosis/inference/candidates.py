@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from fogreduce.diagnosis.inference.candidate import Candidate
-from fogreduce.diagnosis.inference.evidence import Field, Fit
+from fogreduce.diagnosis.inference.evidence import Fit, WhitenedResidual
 
 
-class Bundles:
-    """Candidates of one ground, ready to be fitted all at once.
+class Candidates:
+    """Candidates of one problem, ready to be fitted all at once.
 
     Those of one point that touch the same rows and have as many columns stand side by side as the
     points of one grid.
@@ -43,14 +43,14 @@ class Bundles:
             return first
         return replace(first, columns=np.concatenate([self.candidates[at].columns for at in members], axis=1))
 
-    def fits(self, field: Field) -> list[Fit]:
-        """The fit of every candidate, in their order: what `Field.fit` gives for each."""
+    def fits(self, residual: WhitenedResidual) -> list[Fit]:
+        """The fit of every candidate, in their order: what `WhitenedResidual.fit` gives for each."""
         out: dict[int, Fit] = {}
         for joined, members in self._groups:
             if len(members) == 1:
-                out[members[0]] = field.fit(joined)
+                out[members[0]] = residual.fit(joined)
             else:
-                found = field.points(joined)
+                found = residual.points(joined)
                 for point, at in enumerate(members):
                     out[at] = found.one(self.candidates[at], point)
         return [out[at] for at in range(len(self.candidates))]
