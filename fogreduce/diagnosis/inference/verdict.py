@@ -39,6 +39,14 @@ def verdict_of_sets(search: Search) -> Verdict:
         unknown = 1.0
     gone = {key for one in left if one.probability >= 0.5 for key in one.instead}
     gone |= _unheard(posterior)
+    # a process less probable than what no effect of the catalogue makes there
+    doubted = {
+        state.causes[one.index].key: 1.0 - one.group_probability
+        for one in named
+        if state.causes[one.index].process and one.group_probability < 0.5
+    }
+    gone |= doubted.keys()
+    unknown = max([unknown, *doubted.values()])
     disowned = {c.key for c in state.causes if c.process} & gone
     if gone:
         kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
