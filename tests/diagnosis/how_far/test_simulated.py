@@ -38,7 +38,7 @@ def test_only_what_the_simulated_captures_do_not_show_stands_out(tmp_path) -> No
     assert ours.left_of(there[0]).sigma == there[0].sigma
     # their residual beside the ramp is noise: chi-squared of as many degrees as there are blocks
     size = len(search.problem.y)
-    assert [f.chi2 for f in ours._fields] == pytest.approx([size] * 2, abs=5.0 * np.sqrt(2.0 * size))
+    assert [f.chi2 for f in ours._residuals] == pytest.approx([size] * 2, abs=5.0 * np.sqrt(2.0 * size))
     both = Simulated(search, state, source)
     both.__dict__["campaigns"] = [found.data]
     assert both.left_of(there[0]).sigma < LEAST_SIGMA

@@ -23,7 +23,7 @@ def test_the_marginal_product_is_that_of_the_whole_covariance() -> None:
 def test_a_free_column_is_projected_out() -> None:
     generator = np.random.default_rng(2)
     a, x = generator.standard_normal((30, 3)), generator.standard_normal((30, 1))
-    metric = Metric.of(a).beside(x)
+    metric = Metric.of(a).with_free(x)
     assert abs(metric.gram(x, x)[0, 0]) < 1e-6
 
 
