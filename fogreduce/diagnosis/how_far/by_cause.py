@@ -63,7 +63,7 @@ def shares(
     mappings
         Of causes' keys and of effects' names; empty where nothing was held out.
     """
-    if not closure.held and not closure.at_full_rate:
+    if not closure.folds and not closure.at_full_rate:
         return {}, {}
     left = _Subsets(inputs, frozenset(c.key for c in causes if _in_noise(c)), closure)
     kinds: dict[str, frozenset[Key]] = {}
@@ -96,33 +96,33 @@ class _Subsets:
     inputs: Sequence[RunInput]
     in_noise: frozenset[Key]
     closure: Closure
-    _known: dict[frozenset[Key], Closure] = field(default_factory=dict)
+    _closures: dict[frozenset[Key], Closure] = field(default_factory=dict)
 
     def closed(self, taken: frozenset[Key]) -> Closure:
         """The closure of a subset of the causes."""
-        if taken not in self._known:
-            self._known[taken] = self._closed(taken)
-        return self._known[taken]
+        if taken not in self._closures:
+            self._closures[taken] = self._closed(taken)
+        return self._closures[taken]
 
     def _closed(self, taken: frozenset[Key]) -> Closure:
         whole, after = self.closure, Sum()
-        for held in whole.held:
-            self._add(after, held, taken)
+        for fold in whole.folds:
+            self._add(after, fold, taken)
         for key, (one, two) in whole.at_full_rate.items():
             after.add(two if key in taken else one)
         noise = scatter(whole.summed, after, whole.expected)
         return Closure(whole.measure, whole.held_out, whole.before, after.value, whole.expected, noise)
 
-    def _add(self, after: Sum, held: HeldOut, taken: frozenset[Key]) -> None:
-        mine = [c for c in held.causes if c.key in taken]
+    def _add(self, after: Sum, fold: HeldOut, taken: frozenset[Key]) -> None:
+        mine = [c for c in fold.causes if c.key in taken]
         noisy = bool(self.in_noise & taken)
-        part = held.noisy if noisy else held.bare
+        part = fold.noisy if noisy else fold.bare
         change = np.zeros(part.whiten.rows.total)
         if mine:
             rows = part.whiten.rows
             change = simulated(self.inputs, mine, rows) - simulated(self.inputs, [], rows)
         left = part.y - part.whiten(change[:, None])[:, 0]
-        after.add_fold(held.noisy_deviates if noisy else held.bare_deviates, left)
+        after.add_fold(fold.noisy_deviates if noisy else fold.bare_deviates, left)
 
 
 class _Guess:
@@ -131,15 +131,15 @@ class _Guess:
     def __init__(self, left: _Subsets) -> None:
         self._left = left
         self._parts: list[tuple[dict[Key, Array], Array]] = []
-        for held in left.closure.held:
-            rows = held.bare.whiten.rows
+        for fold in left.closure.folds:
+            rows = fold.bare.whiten.rows
             nothing = simulated(left.inputs, [], rows)
-            changes = {c.key: simulated(left.inputs, [c], rows) - nothing for c in held.causes}
+            changes = {c.key: simulated(left.inputs, [c], rows) - nothing for c in fold.causes}
             of = {
-                key: held.bare_deviates.of(held.bare.whiten(change[:, None])[:, 0])
+                key: fold.bare_deviates.of(fold.bare.whiten(change[:, None])[:, 0])
                 for key, change in changes.items()
             }
-            self._parts.append((of, held.bare_deviates.of(held.bare.y)))
+            self._parts.append((of, fold.bare_deviates.of(fold.bare.y)))
 
     def after(self, taken: frozenset[Key]) -> float:
         """About what is left beside a subset."""

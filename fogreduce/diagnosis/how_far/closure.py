@@ -76,7 +76,7 @@ class Closure:
         Standard deviation of the fraction from noise.
     placebo : float or None
         The fraction that a wrong effect, fitted as hard, would close.
-    held : tuple of HeldOut
+    folds : tuple of HeldOut
         Each fold as it was held against the causes.
     at_full_rate : mapping
         Key of a cause of the full rate -> its own before and after.
@@ -97,7 +97,7 @@ class Closure:
     expected: float
     noise: float = 0.0
     placebo: float | None = None
-    held: tuple[HeldOut, ...] = ()
+    folds: tuple[HeldOut, ...] = ()
     at_full_rate: Mapping[Key, tuple[float, float]] = field(default_factory=dict)
     departure: float = 0.0
     departed: float = 0.0
@@ -199,7 +199,7 @@ def measured(search: Search, causes: Sequence[Cause], found: Sequence[Place]) ->
         sums.expected,
         scatter(sums.before, sums.after, sums.expected),
         float(np.clip(np.mean(sums.placebo), -1.0, 1.0)) if sums.placebo else None,
-        tuple(sums.held),
+        tuple(sums.folds),
         alone,
         priors.DEPARTURE**2 if slow else 0.0,
         sums.departed / max(sums.before.value - sums.expected, 1e-9),
@@ -216,7 +216,7 @@ class _Sums:
     expected: float = 0.0
     departed: float = 0.0
     placebo: list[float] = field(default_factory=list)
-    held: list[HeldOut] = field(default_factory=list)
+    folds: list[HeldOut] = field(default_factory=list)
 
 
 def _of_block_means(
@@ -245,7 +245,7 @@ def _of_block_means(
             args = (data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y)
             mine = refined(*args, rounds=3).causes
         change = modelled_change(data.inputs, mine, held.whiten, nominal)
-        sums.held.append(HeldOut(tuple(mine), held, measures[this], bare[this], plain[this]))
+        sums.folds.append(HeldOut(tuple(mine), held, measures[this], bare[this], plain[this]))
         # a random process does not change what is predicted but how far from it one may be
         sums.before.add_fold(plain[this], bare[this].y)
         sums.after.add_fold(measures[this], held.y - change)

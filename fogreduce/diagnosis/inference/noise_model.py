@@ -317,7 +317,7 @@ class Metric:
     shrink: Array
     inner: Array
     parent: Metric | None = None
-    _known: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
+    _products: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, a: Array) -> Metric:
@@ -344,9 +344,9 @@ class Metric:
         if self.parent is not None:
             own = self.a[rows, self.parent.a.shape[1] :].T @ columns
             return np.vstack([self.parent.onto(columns, rows), own])
-        if id(columns) not in self._known:
-            self._known[id(columns)] = (columns, self.a[rows].T @ columns)
-        return self._known[id(columns)][1]
+        if id(columns) not in self._products:
+            self._products[id(columns)] = (columns, self.a[rows].T @ columns)
+        return self._products[id(columns)][1]
 
     def wider(self, columns: Array) -> Metric:
         """The same with further whitened columns, one standard deviation each, marginalised."""

@@ -223,7 +223,7 @@ class _Separations:
     rivals: Sequence[Cause]
     evidence: Array
     today: list[list[Array]]
-    _known: dict[tuple[object, ...], Whitener] = field(default_factory=dict)
+    _whiteners: dict[tuple[object, ...], Whitener] = field(default_factory=dict)
 
     def separation(self, proposal: Proposal, stated: bool = True) -> Array:
         """Distances (rivals, rivals) between what the rivals predict for a run [sigma].
@@ -279,10 +279,10 @@ class _Separations:
         further = {key: size for c in pair for key, size in c.process.items()}
         blocks = here.scene.blocks
         key = (blocks.count, blocks.length_s, *sorted(further.items()))
-        if key not in self._known:
+        if key not in self._whiteners:
             full = np.full((here.facts.n_gyros, blocks.count), blocks.length_s * here.facts.sample_rate_hz)
-            self._known[key] = whitener([here], [full], self.search.full_rate.level[:1], further)
-        return self._known[key]
+            self._whiteners[key] = whitener([here], [full], self.search.full_rate.level[:1], further)
+        return self._whiteners[key]
 
 
 def _document(
