@@ -46,7 +46,7 @@ def ramp(deg_h_per_h: float) -> dict[str, Any]:
 def test_nothing_wrong_is_no_gap_and_a_ramp_is_found(tmp_path, record, runs, rate_hz) -> None:
     nothing = diagnosed(tmp_path / "a", bench(tmp_path / "a", record, runs, rate_hz, []))
     assert nothing["verdict"] == "no_gap"
-    found = diagnosed(tmp_path / "b", bench(tmp_path / "b", record, runs, rate_hz, [ramp(100.0)]))
+    found = diagnosed(tmp_path / "b", bench(tmp_path / "b", record, runs, rate_hz, [ramp(200.0)]))
     assert found["verdict"] == "explained"
     (cause,) = found["causes"]
     assert ("bias_ramp", ["gyro1"]) in [(m["effect"], m["channels"]) for m in cause["group"]]
