@@ -123,14 +123,21 @@ def _shapes(posterior: SlowPosterior, residual: WhitenedResidual, channels: tupl
 
 
 def _better_fits(options: list[Option], posterior: SlowPosterior, less: CauseSet) -> list[Option]:
-    """The unknown must fit better than what it stands in the stead of: fewer numbers are no evidence."""
+    """The unknown must fit better than what it stands in the stead of: fewer numbers are no evidence. Nor is
+    it that the unknown is one thing and the causes are several, where the runs speak for these.
+    """
     named = posterior.best.fit.log_b - less.fit.log_b
+    several = posterior.best.score - less.score - priors.LOG_FURTHER
     gain = _chi2(posterior, less) - _chi2(posterior, posterior.best)
     numbers = len(posterior.best.fit.columns) - len(less.fit.columns)
     out = []
     for o in options:
-        if o.fit is not None and o.fit.candidate.columns.shape[2] <= numbers:
-            most = named + 0.5 * max(o.q - gain, 0.0) - priors.AS_WELL
+        if o.fit is not None:
+            most = np.inf
+            if o.fit.candidate.columns.shape[2] <= numbers:
+                most = named + 0.5 * max(o.q - gain, 0.0) - priors.AS_WELL
+            if o.log_b < named - priors.SPEAKS:
+                most = min(most, several - o.log_prior - priors.AS_WELL)
             o = replace(o, log_b=min(o.log_b, most))
         out.append(o)
     return out
