@@ -55,7 +55,9 @@ rule bag:
         f"{RESULTS}/_archive/benchmarks/{{campaign}}.tsv"
     params:
         code=code_digest(
-            "fogreduce.archive.contents", "fogreduce.archive.write", "fogreduce.pages.index_page"
+            "fogreduce.archive.contents",
+            "fogreduce.archive.write",
+            "fogreduce.pages.index_page",
         ),
         results=subpath(output[0], ancestor=2),
         campaigns=CONFIG.campaigns_dir,
