@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fogreduce.diagnosis import priors
 from fogreduce.diagnosis.inference.causes import SHAPES, Cause
 from fogreduce.diagnosis.inference.departures import lateness
-from fogreduce.diagnosis.inference.outcome import Verdict
+from fogreduce.diagnosis.inference.outcome import Verdict, less_causes
 from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
@@ -40,28 +40,29 @@ def without_imitations(search: Search, verdict: Verdict) -> Verdict:
     for cause in verdict.state.causes:
         if cause.slow and cause.theta and cause.std:
             by_place.setdefault(cause.channels, []).append(cause)
-    gone, alone = set(), False
+    gone, all_unsized = set(), False
     for causes in by_place.values():
         unsized = [c for c in causes if _sizes(c) < _SIZED]
         if len(unsized) == len(causes) >= _SEVERAL:
             gone |= {c.key for c in unsized}
-            alone = True
+            all_unsized = True
         warm = [c for c in causes if EFFECTS[c.effect].needs_temperature and c not in unsized]
         if warm and unsized:
             most = priors.WARM_DEPARTURE * max(_strength(search, c) for c in warm)
             gone |= {c.key for c in unsized if _strength(search, c) < most}
     if not gone:
         return verdict
-    state = verdict.state
-    kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
-    numbers = {k: number for number, k in enumerate(kept)}
-    state = search.state([state.causes[k] for k in kept], state.problem)
-    named = tuple(replace(one, index=numbers[one.index]) for one in verdict.named if one.index in numbers)
+    state, named = less_causes(search, verdict.state, verdict.named, gone)
     word, unknown = verdict.word, verdict.unknown_probability
-    if alone:
+    if all_unsized:
         word, unknown = "partly_explained" if named else "unexplained", max(unknown, 0.5)
     return replace(
-        verdict, word=word, unknown_probability=unknown, state=state, left=search.options(state), named=named
+        verdict,
+        word=word,
+        unknown_probability=unknown,
+        state=state,
+        left=search.options(state),
+        named=tuple(named),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,6 +55,16 @@ class Verdict:
     state: State
     left: list[Option]
     named: tuple[Named, ...]
+
+
+def less_causes(
+    search: Search, state: State, named: Iterable[Named], gone: Container[tuple[object, ...]]
+) -> tuple[State, list[Named]]:
+    """A state, and what is named of it, less the causes of some keys; the others fitted again."""
+    kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
+    numbers = {k: number for number, k in enumerate(kept)}
+    left = [replace(one, index=numbers[one.index]) for one in named if one.index in numbers]
+    return search.state([state.causes[k] for k in kept], state.problem), left
 
 
 def _log_sum(values: Sequence[float]) -> float:

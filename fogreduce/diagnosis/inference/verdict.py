@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from fogreduce.diagnosis.inference.evidence import Fit, WhitenedResidual
 from fogreduce.diagnosis.inference.full_rate import FullRateCauses, full_rate_causes
 from fogreduce.diagnosis.inference.gross import gross
 from fogreduce.diagnosis.inference.options import Option
-from fogreduce.diagnosis.inference.outcome import Named, Verdict, in_its_place
+from fogreduce.diagnosis.inference.outcome import Named, Verdict, in_its_place, less_causes
 from fogreduce.diagnosis.inference.problem import State
 from fogreduce.diagnosis.inference.processes import process_price, with_processes
 from fogreduce.diagnosis.inference.regression import additions
@@ -39,20 +38,12 @@ def verdict_of_sets(search: Search) -> Verdict:
         unknown = 1.0
     gone = {key for one in left if one.probability >= 0.5 for key in one.instead}
     gone |= _unheard(posterior)
-    # a process less probable than what no effect of the catalogue makes there
-    doubted = {
-        state.causes[one.index].key: 1.0 - one.group_probability
-        for one in named
-        if state.causes[one.index].process and one.group_probability < 0.5
-    }
+    doubted = _doubted(state, named)
     gone |= doubted.keys()
     unknown = max([unknown, *doubted.values()])
     disowned = {c.key for c in state.causes if c.process} & gone
     if gone:
-        kept = [k for k, c in enumerate(state.causes) if c.key not in gone]
-        numbers = {k: number for number, k in enumerate(kept)}
-        state = search.state([state.causes[k] for k in kept], state.problem)
-        named = [replace(one, index=numbers[one.index]) for one in named if one.index in numbers]
+        state, named = less_causes(search, state, named, gone)
     state = _led(search, state, named)
     if posterior.unclosed or disowned:
         # what is left there is held against the noise of the record and of the causes
@@ -64,6 +55,15 @@ def verdict_of_sets(search: Search) -> Verdict:
     gap = max([unknown, *(one.group_probability for one in named)], default=0.0)
     ranked = tuple(sorted(named, key=lambda one: -one.probability))
     return Verdict(word, gap, unknown, state, search.options(state), ranked)
+
+
+def _doubted(state: State, named: Sequence[Named]) -> dict[tuple[object, ...], float]:
+    """Processes less probable than what no effect of the catalogue makes there, and how probable that is."""
+    return {
+        state.causes[one.index].key: 1.0 - one.group_probability
+        for one in named
+        if state.causes[one.index].process and one.group_probability < 0.5
+    }
 
 
 def _led(search: Search, state: State, named: Sequence[Named]) -> State:
