@@ -12,9 +12,16 @@ from typing import Any
 #: Seconds before a bar appears, and between two drawings of the bar of steps.
 SILENT_S, TICK_S = 2.0, 0.5
 
+#: Called with how much is done so far.
+Progress = Callable[[int], None]
+
+
+def silent(done: int) -> None:
+    """Progress that nobody wants to see."""
+
 
 @contextmanager
-def progress(total: int, unit: str, began: float | None = None) -> Iterator[Callable[[int], None]]:
+def progress(total: int, unit: str, began: float | None = None) -> Iterator[Progress]:
     """Gives a function to tell how much of `total` is done; a bar appears after two seconds.
 
     `began` is when the command did, by `time.monotonic`, where it had something else to do first.

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from pathlib import Path
 from types import TracebackType
@@ -19,6 +19,7 @@ from types import TracebackType
 from fogreduce.archive.contents import Item
 from fogreduce.datasets.atomic import sweep
 from fogreduce.errors import BadInput
+from fogreduce.progress import Progress, silent
 from fogreduce.provenance.outputs import sync
 
 DECLARATION = "BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
@@ -27,8 +28,6 @@ TAG_MANIFEST = "tagmanifest-sha256.txt"
 #: How much of its digest a bag's name has, where it has any.
 NAME_DIGITS = 12
 _CHUNK = 1 << 20
-
-Progress = Callable[[int], None]
 
 
 class BagWriter:
@@ -45,9 +44,7 @@ class BagWriter:
         bag may be there already: then it is these bytes, and it stays.
     """
 
-    def __init__(
-        self, target: Path, progress: Progress = lambda done: None, *, by_digest: bool = False
-    ) -> None:
+    def __init__(self, target: Path, progress: Progress = silent, *, by_digest: bool = False) -> None:
         self.target = target
         self._by_digest = by_digest
         self.hashes: dict[str, str] = {}

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 
@@ -22,6 +21,7 @@ from fogreduce.archive.write import RECORD
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
+from fogreduce.progress import Progress, silent
 from fogreduce.provenance.manifest_file import MANIFEST
 from fogreduce.provenance.records import read_manifest
 
@@ -41,7 +41,7 @@ def restore(
     bag: Path,
     target: Path,
     expect: str | None = None,
-    progress: Callable[[int], None] = lambda done: None,
+    progress: Progress = silent,
 ) -> tuple[Verified, str | None]:
     """Verify a bag, then lay out a working folder; the folder appears whole or not at all.
 

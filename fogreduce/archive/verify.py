@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
@@ -16,6 +16,7 @@ from fogreduce.archive.tagfiles import read_declaration, read_fetch, read_info
 from fogreduce.archive.walk import Listing, walk
 from fogreduce.archive.write import AGENT, RECORD
 from fogreduce.errors import BadInput, Fault
+from fogreduce.progress import Progress, silent
 
 _INFO, _DECLARATION, _FETCH = "bag-info.txt", "bagit.txt", "fetch.txt"
 
@@ -55,9 +56,7 @@ class Verified:
     faults: tuple[Fault, ...] = ()
 
 
-def verify(
-    bag: Path, expect: str | None = None, progress: Callable[[int], None] = lambda done: None
-) -> Verified:
+def verify(bag: Path, expect: str | None = None, progress: Progress = silent) -> Verified:
     """Verify a bag.
 
     Parameters

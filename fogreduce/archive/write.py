@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from fogreduce.archive.bag import BagWriter
 from fogreduce.archive.contents import PAGE, Contents
 from fogreduce.archive.crate import CRATE, crate
 from fogreduce.errors import BadInput, Fault
+from fogreduce.progress import Progress, silent
 from fogreduce.provenance.code import digest_of, reduction_parts
 
 RECORD = "archive.json"
@@ -24,7 +24,7 @@ _PACKAGE = "software/fogreduce/"
 def write_bag(
     contents: Contents,
     target: Path,
-    progress: Callable[[int], None] = lambda done: None,
+    progress: Progress = silent,
     *,
     by_digest: bool = False,
     index: str | None = None,

@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _segments(setup: Setup, fits: dict[str, Any], channel: str) -> list[tuple[Segment, Any, Any, Any]]:
     """Each segment with the linear fit of the channel in it, and the times and values that this rests on."""
-    from fogreduce.stages.run import fit_of
+    from fogreduce.stages.nodes.fit import fit_of
 
     time_s, values = _usable(setup, channel)
     chooser = fit_of(setup, time_s.size)

@@ -15,10 +15,11 @@ _MOST = 3
 def say_red_flags(setup: Setup) -> None:
     """One line a row of rates.csv that is flagged or has no rate, the first few; nothing for a good run."""
     from fogreduce.stages.rate_flags import flag_text, odd_rows
-    from fogreduce.stages.read_tables import read_rows
+    from fogreduce.stages.rates import RATES_COLUMNS
+    from fogreduce.stages.read_table import read_table
     from fogreduce.stages.summary import RED_FLAG
 
-    odd = odd_rows(read_rows(setup.out, "rates", setup.version_id, setup.facts.raw_unit))
+    odd = odd_rows(read_table(setup.table("rates"), RATES_COLUMNS, setup.version_id))
     said = [flag_text(row) for row in odd[:_MOST]]
     if len(odd) > _MOST:
         said.append(f"{len(odd) - _MOST} more rows, see {setup.table('rates')}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 from pathlib import Path
 
 #: The stages, in the order of the data flow.
@@ -26,23 +27,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the stage."""
-    from fogreduce.cli.warnings import print_warnings
     from fogreduce.datasets.sole_writer import sole_writer
     from fogreduce.errors import BadInput
     from fogreduce.progress import progress
-    from fogreduce.stages import run as stages
     from fogreduce.stages.setup import Setup
 
+    node = importlib.import_module(f"fogreduce.stages.nodes.{arguments.stage}")
     setup = Setup.read(arguments.out)
     if arguments.stage == "ingest" and arguments.run is None:
         raise BadInput.at("--run", "", found="nothing", expected="the run's folder")
     given = (arguments.run,) if arguments.stage in _READ_RUN else ()
     with sole_writer(arguments.out), progress(setup.facts.n_expected, "records") as advance:
-        stages.STAGES[arguments.stage](setup, *given, progress=advance)
+        node.run(setup, *given, progress=advance)
     if arguments.stage == "drift":
         from fogreduce.cli.flags import say_red_flags
 
         say_red_flags(setup)
     if arguments.stage == "ingest":
+        from fogreduce.cli.warnings import print_warnings
+
         print_warnings(setup, arguments.run)
     return 0

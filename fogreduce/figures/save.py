@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from fogreduce.datasets.atomic import whole_file, write_text
 from fogreduce.figures import FORMATS
 from fogreduce.figures.catalogue import Plan
 from fogreduce.plotting.style import Identity, style
+from fogreduce.progress import Progress, silent
 
 INDEX = "index.json"
 
@@ -43,7 +44,7 @@ def save_all(
     identity: Identity,
     folder: Path,
     formats: Sequence[str],
-    progress: Callable[[int], None] = lambda done: None,
+    progress: Progress = silent,
 ) -> list[Path]:
     """Draw and write every figure of a plan, and `index.json`, which says what there is and what is not.
 

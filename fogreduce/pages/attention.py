@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fogreduce.stages.rate_flags import flag_text, odd_rows
-from fogreduce.stages.read_tables import Row
+from fogreduce.stages.read_table import Row
 
 RED_FLAG, WARNING = "red flag", "warning"
 #: A kind of record lost or flagged more often than this is said at the top.

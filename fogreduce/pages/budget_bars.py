@@ -10,7 +10,7 @@ from fogreduce.pages import svg
 from fogreduce.pages.numbers import number
 from fogreduce.pages.overview import real
 from fogreduce.stages.budget import PARTS
-from fogreduce.stages.read_tables import Row
+from fogreduce.stages.read_table import Row
 
 #: Quantity -> in words. Those of the whole run, or of its only segment.
 _SHOWN = {"drift": "drift", "mean_rate": "mean rate"}

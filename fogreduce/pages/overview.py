@@ -18,7 +18,8 @@ from fogreduce.pages.attention import attention
 from fogreduce.physics.raw_quantity import unit_of_capture
 from fogreduce.provenance.manifest_file import MANIFEST, read_record
 from fogreduce.provenance.records import read_manifest
-from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
+from fogreduce.stages.read_table import Row
+from fogreduce.stages.read_tables import COLUMNS, read_rows
 
 OVERVIEW = "reports/overview.json"
 SCHEMA = "fogreduce/overview/2"

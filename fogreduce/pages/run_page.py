@@ -20,7 +20,8 @@ from fogreduce.pages.verdict import combined, verdict
 from fogreduce.physics.raw_quantity import unit_of_capture
 from fogreduce.provenance.manifest_file import read_record
 from fogreduce.provenance.records import Manifest, read_manifest
-from fogreduce.stages.read_tables import COLUMNS, Row, read_rows
+from fogreduce.stages.read_table import Row
+from fogreduce.stages.read_tables import COLUMNS, read_rows
 
 #: A page holds pictures up to so many bytes (as they stand in it); further ones are linked.
 MOST_PICTURES = 750_000

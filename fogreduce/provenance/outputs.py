@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
+from fogreduce.progress import Progress, silent
 from fogreduce.provenance.digest import file_digest
 from fogreduce.provenance.machine import machine
 from fogreduce.provenance.records import OUTPUTS, OUTPUTS_SCHEMA, Manifest, read_manifest
@@ -19,9 +20,6 @@ from fogreduce.provenance.version_ids import ids_of_result
 VERSIONS = "versions"
 #: What lies in a run's folder and is not a result: it differs each time.
 _ASIDE = ("logs", "benchmarks", VERSIONS)
-
-
-Progress = Callable[[int], None]
 
 
 def result_files(folder: Path) -> Iterator[str]:
@@ -45,7 +43,7 @@ def _files(path: Path, folder: Path) -> Iterator[str]:
         raise BadInput.at(path, "", found="neither a file nor a folder", expected="a file of the results")
 
 
-def checksums(folder: Path, progress: Progress = lambda done: None) -> dict[str, Any]:
+def checksums(folder: Path, progress: Progress = silent) -> dict[str, Any]:
     """The content of outputs.json for a run's results folder, as its files are now.
 
     `progress` hears how many bytes are read.
@@ -86,7 +84,7 @@ def results_bytes(folder: Path) -> int:
     return sum((folder / name).stat().st_size for name in result_files(folder)) if folder.is_dir() else 0
 
 
-def write_checksums(folder: Path, progress: Progress = lambda done: None) -> dict[str, Any]:
+def write_checksums(folder: Path, progress: Progress = silent) -> dict[str, Any]:
     """Write outputs.json; its content. `progress` hears how many of the `results_bytes` are read."""
     if not folder.is_dir():
         raise BadInput.at(folder, "", found="no such folder", expected="a run's results")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 from fogreduce.datasets.atomic import write_text
@@ -13,6 +13,7 @@ from fogreduce.errors import BadInput
 from fogreduce.metadata.folder import load_campaign
 from fogreduce.metadata.run import Run
 from fogreduce.metadata.yaml12 import dump_yaml, load_yaml
+from fogreduce.progress import Progress, silent
 from fogreduce.simulate.capture import (
     TABLE_FILE,
     TEMPERATURE_FILE,
@@ -32,12 +33,8 @@ from fogreduce.simulate.from_curves import blocks_from_curves
 from fogreduce.simulate.plan import Plan
 from fogreduce.simulate.publish import published
 
-Progress = Callable[[int], None]
 
-
-def write_campaign(
-    plan: Plan, out: Path, progress: Progress = lambda records: None, overwrite: bool = False
-) -> None:
+def write_campaign(plan: Plan, out: Path, progress: Progress = silent, overwrite: bool = False) -> None:
     """Write the simulated campaign to the folder `out`.
 
     Beside it, ``<out>.injected.yaml`` says what was put in: seed, effects, what was drawn, and

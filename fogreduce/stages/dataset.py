@@ -12,8 +12,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from fogreduce.datasets.block import Block
 from fogreduce.datasets.templates import variables_of
 from fogreduce.errors import BadInput
+from fogreduce.physics.quantization import raw_from_counts
 from fogreduce.stages.setup import Setup
 
 _LARGEST = 1e100
@@ -138,6 +140,17 @@ class StageDataset:
         except _DAMAGED as error:
             found = f"damage ({_shown(error)})"
             raise BadInput.at(self.path, name, found=found, expected=_EXPECTED) from None
+
+
+def ingested_blocks(setup: Setup, source: StageDataset) -> Iterator[Block]:
+    """The blocks that ingest wrote."""
+    has_counts = source.has_counts()
+    variable = setup.facts.raw_unit.variable
+    for start, part in source.blocks(("time", "pulse", variable, "flag", "gyro_flag")):
+        stored = part[variable]
+        raw = raw_from_counts(stored, setup.facts.least_count) if has_counts else stored
+        counts = stored if has_counts else None
+        yield Block(start, part["time"], part["pulse"], part["flag"], part["gyro_flag"], counts, raw)
 
 
 def _shown(value: object) -> str:

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterable
 
 from fogreduce.stages.files import read_report
-from fogreduce.stages.read_tables import Row, read_rows
+from fogreduce.stages.read_table import Row
+from fogreduce.stages.read_tables import read_rows
 from fogreduce.stages.setup import Setup
 
 

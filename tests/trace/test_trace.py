@@ -9,11 +9,11 @@ from archived_lab import CAMPAIGN, RUNS, sha256_of
 from prov import model
 from small_unit import call, succeed
 
+from fogreduce.cli.stage import STAGES as STAGES_THAT_RUN
 from fogreduce.errors import BadInput
 from fogreduce.provenance.cell import CellName, error_columns, read_table, row_names
 from fogreduce.provenance.code import code_digest
 from fogreduce.provenance.stages import STAGES, stages_of
-from fogreduce.stages.run import STAGES as STAGES_THAT_RUN
 from fogreduce.trace.chain import Hashes, trace
 from fogreduce.trace.places import run_places
 from fogreduce.trace.prov import prov
