@@ -15,6 +15,7 @@ MICROSECONDS_PER_SECOND = 1_000_000
 
 #: Format of a run's manifest.
 MANIFEST_SCHEMA = "fogreduce/manifest/1"
+OUTPUTS_SCHEMA = "fogreduce/outputs/1"
 
 #: The count that stands for "this gyro did not answer this pulse" in ``fogcap-1``.
 MISSING_COUNT = -(2**31)

@@ -19,9 +19,9 @@ from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.folder import load_calibration, load_run
 from fogreduce.provenance.code import digest_of
-from fogreduce.provenance.manifest_file import MANIFEST
+from fogreduce.provenance.manifest_file import MANIFEST, OUTPUTS
 from fogreduce.provenance.outputs import VERSIONS
-from fogreduce.provenance.records import OUTPUTS, HashedFile, Manifest
+from fogreduce.provenance.records import HashedFile, Manifest
 
 Files = Mapping[str, tuple[str, int]]
 

@@ -26,10 +26,10 @@ from fogreduce.archive.names import faults_of_names, plain_files
 from fogreduce.archive.software import source_files
 from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.patterns import NAME_PATTERN
-from fogreduce.provenance.manifest_file import MANIFEST
+from fogreduce.provenance.manifest_file import MANIFEST, OUTPUTS
 from fogreduce.provenance.outputs import result_files
-from fogreduce.provenance.records import OUTPUTS, HashedFile, Manifest, Outputs, read_manifest, read_outputs
-from fogreduce.provenance.versions import kept_versions, same
+from fogreduce.provenance.records import HashedFile, Manifest, Outputs, read_manifest, read_outputs
+from fogreduce.provenance.versions import kept_versions
 
 #: Where the workflow keeps the captures that it made, in the folder of the results.
 MADE = "_captures"
@@ -176,8 +176,8 @@ def _run(
     _agree(folder, manifest, outputs)
     items = _result_items(folder, f"results/{campaign}/{folder.name}", outputs)
     for version in kept_versions(folder):
-        kept = version.outputs()
-        if not same(kept, outputs):
+        kept = read_outputs(version.folder)
+        if not kept.is_same(outputs):
             place = f"results/{campaign}/{folder.name}/versions/{version.folder.name}"
             items += _result_items(version.folder, place, kept)
     in_made = (made / "runs" / folder.name).is_dir()

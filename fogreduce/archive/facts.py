@@ -9,8 +9,8 @@ from typing import Any
 from fogreduce.archive.crate import CRATE
 from fogreduce.archive.write import RECORD
 from fogreduce.errors import BadInput, Fault
-from fogreduce.provenance.manifest_file import MANIFEST, parse_json
-from fogreduce.provenance.records import OUTPUTS, Manifest, Outputs, manifest_of
+from fogreduce.provenance.manifest_file import MANIFEST, OUTPUTS, parse_json
+from fogreduce.provenance.records import Manifest, Outputs, manifest_of
 from fogreduce.provenance.version_ids import version_ids
 
 

@@ -81,8 +81,7 @@ def _left_out(results: Path, campaigns: Path, campaign: str) -> dict[str, str]:
     A run with tables and no checksums has not failed: it is for the archive to refuse.
     """
     from fogreduce.metadata.folder import find_runs
-    from fogreduce.provenance.manifest_file import MANIFEST
-    from fogreduce.provenance.records import OUTPUTS
+    from fogreduce.provenance.manifest_file import MANIFEST, OUTPUTS
     from fogreduce.stages.summary import RunResults, why_not_reduced
 
     if not (campaigns / campaign / "runs").is_dir():

@@ -12,8 +12,8 @@ from fogreduce.errors import BadInput, Fault
 from fogreduce.provenance.cell import read_table, row_names, standard_uncertainty
 from fogreduce.provenance.digest import file_digest
 from fogreduce.provenance.machine import differences, machine
-from fogreduce.provenance.manifest_file import MANIFEST
-from fogreduce.provenance.records import OUTPUTS, Manifest, read_manifest, read_outputs
+from fogreduce.provenance.manifest_file import MANIFEST, OUTPUTS
+from fogreduce.provenance.records import Manifest, read_manifest, read_outputs
 
 #: How far a number may lie from the archived one, in units of its standard uncertainty.
 TOLERANCE = 1e-6

@@ -14,7 +14,7 @@ from fogreduce.provenance.digest import file_digest
 from fogreduce.provenance.machine import differences
 from fogreduce.provenance.manifest_file import MANIFEST
 from fogreduce.provenance.records import Outputs, read_manifest, read_outputs
-from fogreduce.provenance.versions import Version, kept_versions, same
+from fogreduce.provenance.versions import Version, kept_versions
 
 _IDENTITY = "version_id"
 
@@ -24,7 +24,7 @@ def versions_of(results: Path) -> tuple[list[Version], Version]:
     outputs = read_outputs(results)
     kept = kept_versions(results)
     for version in kept:
-        if same(version.outputs(), outputs):
+        if outputs.is_same(read_outputs(version.folder)):
             return kept, version
     now = Version(kept[-1].number + 1 if kept else 1, outputs.version_id, results)
     return [*kept, now], now
@@ -66,7 +66,7 @@ def history(results: Path) -> dict[str, Any]:
 
 def _check(version: Version) -> None:
     """BadInput unless a version's manifest and tables are what their checksums say."""
-    for entry in version.outputs().files:
+    for entry in read_outputs(version.folder).files:
         if entry.name == MANIFEST or entry.name.startswith("tables/"):
             path = version.folder / entry.name
             if not path.is_file():
@@ -77,7 +77,7 @@ def _check(version: Version) -> None:
 
 def change(before: Version, after: Version) -> dict[str, Any]:
     """What changed between two versions, and why."""
-    one, other = before.outputs(), after.outputs()
+    one, other = read_outputs(before.folder), read_outputs(after.folder)
     causes = manifest_differences(read_manifest(before.folder), read_manifest(after.folder))
     causes += [f"machine: {line}" for line in differences(one.machine, other.machine)]
     cells, unchanged = _cells(before.folder, after.folder, _tables(one), _tables(other))

@@ -1,6 +1,6 @@
-"""manifest.json as plain data: read, its schema known, its version id held against its content.
+"""A run's records as plain data: read; manifest.json with its version id checked against its content.
 
-Quick to import, for the stages; `fogreduce.provenance.records` says what each key holds.
+Quick to import, for the nodes of the workflow; `fogreduce.provenance.records` says what each key holds.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.errors import BadInput
 from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest
 
-MANIFEST = "manifest.json"
+#: What a run is reduced from, and what its results were when they were finished.
+MANIFEST, OUTPUTS = "manifest.json", "outputs.json"
 
 #: A record is small; what is larger is not one.
 LARGEST_RECORD_BYTES = 64 << 20
@@ -58,6 +59,11 @@ def check_version_id(manifest: Mapping[str, Any], file: object) -> None:
     if (stated := manifest.get("version_id")) != derived:
         expected = f"{derived}, derived from what the manifest says"
         raise BadInput.at(file, "version_id", found=stated, expected=expected)
+
+
+def read_outputs_data(folder: Path) -> dict[str, Any]:
+    """The checksums of a run's results."""
+    return read_record(folder / OUTPUTS, "checksums, as `fogreduce checksums` writes them")
 
 
 def read_manifest_data(folder: Path) -> dict[str, Any]:

@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from fogreduce.constants import OUTPUTS_SCHEMA
 from fogreduce.datasets.atomic import write_text
 from fogreduce.errors import BadInput
 from fogreduce.progress import Progress, silent
 from fogreduce.provenance.digest import file_digest
 from fogreduce.provenance.machine import machine
-from fogreduce.provenance.records import OUTPUTS, OUTPUTS_SCHEMA, Manifest, read_manifest
+from fogreduce.provenance.manifest_file import OUTPUTS, read_manifest_data
 from fogreduce.provenance.version_ids import ids_of_result
 
 #: Older versions of the results, beside the new.
@@ -48,8 +49,8 @@ def checksums(folder: Path, progress: Progress = silent) -> dict[str, Any]:
 
     `progress` hears how many bytes are read.
     """
-    manifest = read_manifest(folder)
-    _complete(folder, manifest)
+    version_id = read_manifest_data(folder)["version_id"]
+    _complete(folder, version_id)
     files, done = [], 0
 
     def read(count: int) -> None:
@@ -62,20 +63,20 @@ def checksums(folder: Path, progress: Progress = silent) -> dict[str, Any]:
         files.append({"name": name, "bytes": path.stat().st_size, "sha256": file_digest(path, read)})
     return {
         "schema": OUTPUTS_SCHEMA,
-        "version_id": manifest.version_id,
+        "version_id": version_id,
         "machine": machine(),
         "files": files,
     }
 
 
-def _complete(folder: Path, manifest: Manifest) -> None:
+def _complete(folder: Path, version_id: str) -> None:
     """BadInput unless the last stage's table is there, and every file is of the manifest's version."""
     path = folder / "tables" / "drift.csv"
     if not path.is_file():
         raise BadInput.at(path, "", found="no such file", expected="the table of the last stage")
     for name in result_files(folder):
-        for found in sorted(ids_of_result(folder, name) - {manifest.version_id}):
-            expected = f"{manifest.version_id}, as the manifest has it"
+        for found in sorted(ids_of_result(folder, name) - {version_id}):
+            expected = f"{version_id}, as the manifest has it"
             raise BadInput.at(folder / name, "version_id", found=found, expected=expected)
 
 

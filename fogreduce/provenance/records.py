@@ -11,10 +11,13 @@ from fogreduce.constants import MANIFEST_SCHEMA
 from fogreduce.metadata.base import Model, Name
 from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.patterns import CALIBRATION_PATTERN, SHA256_PATTERN, VERSION_PATTERN
-from fogreduce.provenance.manifest_file import MANIFEST, check_version_id, read_record
-
-OUTPUTS = "outputs.json"
-OUTPUTS_SCHEMA = "fogreduce/outputs/1"
+from fogreduce.provenance.manifest_file import (
+    MANIFEST,
+    OUTPUTS,
+    check_version_id,
+    read_outputs_data,
+    read_record,
+)
 
 Sha256 = Annotated[str, Field(pattern=SHA256_PATTERN)]
 VersionId = Annotated[str, Field(pattern=VERSION_PATTERN)]
@@ -43,6 +46,10 @@ class Outputs(Model):
     version_id: VersionId = Field(description="the manifest's")
     machine: dict[str, Any] = Field(description="libraries, CPU features; see fogreduce.provenance.machine")
     files: Annotated[list[HashedFile], Field(strict=False)] = Field(description="every file of the results")
+
+    def is_same(self, other: Outputs) -> bool:
+        """Whether both are of the same results, to the byte."""
+        return self.version_id == other.version_id and self.files == other.files
 
 
 class _Open(Model):
@@ -98,5 +105,4 @@ def read_manifest(folder: Path) -> Manifest:
 
 def read_outputs(folder: Path) -> Outputs:
     """The checksums of a run's results."""
-    path = folder / OUTPUTS
-    return Outputs.from_data(read_record(path, "checksums, as `fogreduce checksums` writes them"), path)
+    return Outputs.from_data(read_outputs_data(folder), folder / OUTPUTS)

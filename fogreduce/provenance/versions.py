@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.datasets.atomic import sweep
+from fogreduce.provenance.manifest_file import OUTPUTS, read_outputs_data
 from fogreduce.provenance.outputs import VERSIONS
-from fogreduce.provenance.records import OUTPUTS, Outputs, read_outputs
 
 _NAME = re.compile(r"([1-9][0-9]{0,5})-([0-9a-f]{16})")
 _SMALL_BYTES = 1 << 20
@@ -30,10 +30,6 @@ class Version:
     number: int
     version_id: str
     folder: Path
-
-    def outputs(self) -> Outputs:
-        """Its checksums."""
-        return read_outputs(self.folder)
 
 
 def kept_versions(results: Path) -> list[Version]:
@@ -50,28 +46,23 @@ def kept_versions(results: Path) -> list[Version]:
 
 def keep(results: Path, data: Mapping[str, Any]) -> Version:
     """Keep the results whose checksums are `data`; where they are kept already, that version."""
-    outputs = Outputs.from_data(dict(data), results / OUTPUTS)
     kept = kept_versions(results)
     for version in kept:
-        if same(version.outputs(), outputs):
+        earlier = read_outputs_data(version.folder)
+        if all(earlier.get(key) == data[key] for key in ("version_id", "files")):
             return version
     number = kept[-1].number + 1 if kept else 1
-    target = results / VERSIONS / f"{number}-{outputs.version_id}"
+    target = results / VERSIONS / f"{number}-{data['version_id']}"
     sweep(target)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     shutil.rmtree(temporary, ignore_errors=True)
     try:
-        for name in [file.name for file in outputs.files] + [OUTPUTS]:
+        for name in [file["name"] for file in data["files"]] + [OUTPUTS]:
             _keep_file(results / name, temporary / name)
         temporary.rename(target)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
-    return Version(number, outputs.version_id, target)
-
-
-def same(one: Outputs, other: Outputs) -> bool:
-    """Whether two are the same results, to the byte."""
-    return one.version_id == other.version_id and one.files == other.files
+    return Version(number, data["version_id"], target)
 
 
 def _keep_file(source: Path, target: Path) -> None:

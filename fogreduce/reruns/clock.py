@@ -13,8 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from fogreduce.errors import Fault
-from fogreduce.provenance.manifest_file import MANIFEST
-from fogreduce.provenance.records import OUTPUTS
+from fogreduce.provenance.manifest_file import MANIFEST, OUTPUTS
 
 #: Clocks of two machines that share a disk may differ by as much.
 TOLERANCE_S = 5.0

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.provenance.digest import VERSION_ID_DIGITS, data_digest, file_digest
-from fogreduce.provenance.manifest_file import MANIFEST
-from fogreduce.provenance.records import OUTPUTS
+from fogreduce.provenance.manifest_file import MANIFEST, OUTPUTS
 from fogreduce.provenance.stages import STAGES
 
 _GONE = "gone"
