@@ -68,7 +68,7 @@ _EXPECTED = {
 
 
 def parser_of(*names: str) -> tuple[argparse.ArgumentParser, dict[str, ModuleType]]:
-    """The parser, with the arguments of these commands alone, whose modules are imported."""
+    """The parser of these commands, their modules imported; where none is named, of all without arguments."""
     width = max(map(len, COMMANDS | NODES)) + 2
     nodes = (f"  {name:<{width}}{text}" for name, (_, text) in NODES.items())
     parser = argparse.ArgumentParser(
@@ -80,13 +80,14 @@ def parser_of(*names: str) -> tuple[argparse.ArgumentParser, dict[str, ModuleTyp
     parser.add_argument("--version", action="version", version=f"fogreduce {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     modules = {}
-    for command, (file, text) in (COMMANDS | NODES).items():
+    for command in names or (COMMANDS | NODES):
+        file, text = (COMMANDS | NODES)[command]
         about = text[0].upper() + text[1:] + "."
         if command in COMMANDS:
             subparser = subparsers.add_parser(command, help=text, description=about)
         else:  # without `help` it is not listed
             subparser = subparsers.add_parser(command, description=about)
-        if command in names:
+        if names:
             modules[command] = importlib.import_module(f"fogreduce.cli.{file}")
             modules[command].add_arguments(subparser)
     return parser, modules
@@ -95,8 +96,7 @@ def parser_of(*names: str) -> tuple[argparse.ArgumentParser, dict[str, ModuleTyp
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status: 0 done, 2 bad input or usage, 1 anything else."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
-    name = next((word for word in arguments if not word.startswith("-")), "")
-    parser, modules = parser_of(name)
+    parser, modules = parser_of(*(word for word in arguments[:1] if word in COMMANDS | NODES))
     parsed = parser.parse_args(arguments)
     try:
         _no_empty_value(arguments)

@@ -130,6 +130,7 @@ def modules_used(*entries: str) -> dict[str, Path]:
     return dict(sorted(found.items()))
 
 
+@cache
 def _path(root: Path, dotted: str) -> Path | None:
     """The file of a module, None for a name that is none."""
     path = root.joinpath(*dotted.split(".")[1:])

@@ -23,8 +23,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SOCKET = "socket"
-#: What the first requests of a command have imported before the fork: the commands of the workflow.
-ALWAYS = ("fogreduce.provenance.manifest", "fogreduce.provenance.versions", "fogreduce.stages.run")
+#: What is imported before the first fork: all that the nodes of every run import, late or not.
+ALWAYS = (
+    *(f"fogreduce.cli.{name}" for name in ("manifest", "stage", "checksums", "warnings", "flags")),
+    "fogreduce.datasets.readers.fogcap",
+    "fogreduce.provenance.manifest",
+    "fogreduce.provenance.versions",
+    "fogreduce.stages.nodes.calibrate",
+    "fogreduce.stages.nodes.remove_earth",
+    "fogreduce.stages.rate_flags",
+    "fogreduce.stages.run",
+    "fogreduce.stages.summary",
+    "numpy.fft",
+    "numpy.ma",
+    "numpy.polynomial",
+)
+#: Command -> what is imported before its first fork.
 PER_COMMAND = {
     "figures": ("fogreduce.figures.catalogue", "fogreduce.figures.results", "fogreduce.figures.save"),
     "diagnose": ("fogreduce.diagnosis.diagnose", "fogreduce.diagnosis.report.write"),
