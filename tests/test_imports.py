@@ -108,6 +108,19 @@ def test_imports_point_down(repository) -> None:
     assert wrong == []
 
 
+def test_every_import_within_a_function_is_listed_with_the_time_that_it_saves(repository) -> None:
+    """If not: python docs/make/late_imports.py docs/start-up.md."""
+    sys.path.insert(0, str(repository / "docs" / "make"))
+    from late_imports import late_imports
+
+    rows = re.findall(r"^\| `(.+)` \| (.+) \| (\d+) \|$", (repository / "docs/start-up.md").read_text(), re.M)
+    listed = {file: names.split() for file, names, saved_ms in rows if int(saved_ms) > 1}
+    found = {str(path.relative_to(repository)): late_imports(path) for path in modules(repository)}
+    assert listed == {
+        file: [name.removeprefix("fogreduce.") for name in names] for file, names in found.items() if names
+    }
+
+
 def test_the_package_needs_neither_tests_nor_the_bench(repository) -> None:
     wrong = [
         f"{path.relative_to(repository)}:{line}: {name}"

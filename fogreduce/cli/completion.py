@@ -8,6 +8,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from fogreduce.cli.main import COMMANDS, NODES, parser_of
+
 _SCRIPT = """\
 # fogreduce's commands and options, for bash (and zsh, by its bashcompinit).
 _fogreduce() {{
@@ -49,8 +51,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def script() -> str:
     """The script for bash."""
-    from fogreduce.cli.main import COMMANDS, NODES, parser_of
-
     parsers = _commands(parser_of(*COMMANDS, *NODES)[0])
     choices, options = [], []
     for name, parser in parsers.items():

@@ -14,6 +14,7 @@ from types import ModuleType
 
 from fogreduce import __version__
 from fogreduce.cli.out_of_memory import memory_fault, out_of_memory
+from fogreduce.cli.workflow_end import end_with_workflow
 from fogreduce.errors import BadInput, Fault, FogreduceError
 
 #: Subcommand -> (module of `fogreduce.cli`, what it does).
@@ -151,7 +152,5 @@ def console() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     # (The warm server does so by itself, and may have no second thread.)
     if "FOGREDUCE_WORKFLOW" in os.environ and sys.argv[1:2] != ["server"]:
-        from fogreduce.cli.workflow_end import end_with_workflow
-
         end_with_workflow()
     sys.exit(main())

@@ -6,6 +6,9 @@ import argparse
 import shutil
 from pathlib import Path
 
+from fogreduce.cli.main import main
+from fogreduce.warm.serve import Server
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
@@ -14,9 +17,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until standard input closes."""
-    from fogreduce.cli.main import main
-    from fogreduce.warm.serve import Server
-
     try:
         Server(arguments.folder, main).run()
     finally:

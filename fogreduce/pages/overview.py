@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import h5py
+
 from fogreduce.constants import SECONDS_PER_HOUR
 from fogreduce.errors import BadInput
 from fogreduce.pages.attention import attention
@@ -186,8 +188,6 @@ def _noise(fit: Mapping[str, Any], scale_factors: list[float]) -> dict[str, floa
 
 def _temperature(folder: Path) -> dict[str, float] | None:
     """Of the sensors, from the log that ingest keeps; None where there is none."""
-    import h5py
-
     path = folder / "datasets" / "ingest.nc"
     try:
         with h5py.File(path, "r") as file:

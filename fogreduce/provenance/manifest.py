@@ -10,11 +10,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import fogreduce
 from fogreduce.constants import MANIFEST_SCHEMA
+from fogreduce.datasets.readers import READERS
+from fogreduce.datasets.readers.installed import software_of
 from fogreduce.errors import BadInput
 from fogreduce.metadata.assumed import assumed_of_record, assumed_of_run
 from fogreduce.metadata.config import ReductionConfig
@@ -81,20 +84,14 @@ def _input(run_dir: Path, name: str) -> dict[str, Any]:
 
 def _reader_package(format_name: str) -> dict[str, str]:
     """The package that reads the capture, where it is not this one."""
-    from fogreduce.datasets.readers import READERS
-
     if format_name in READERS:
         return {}
-    from fogreduce.datasets.readers.installed import software_of
-
     return software_of(format_name)
 
 
 def _version(name: str) -> str:
-    """Version of a library: from the module where it is loaded (free), else from its metadata (30 ms)."""
+    """Version of a library: from the module where it is loaded (free), else from its metadata (slower)."""
     module = sys.modules.get("yaml" if name == "pyyaml" else name)
     if module is not None:
         return str(module.__version__)
-    from importlib.metadata import version
-
     return version(name)

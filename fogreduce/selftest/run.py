@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import platform
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
@@ -43,8 +44,6 @@ def checks() -> list[Check]:
 
 def software() -> dict[str, str]:
     """What computed them: versions, and a digest of the package's code."""
-    import platform
-
     return {
         "fogreduce": fogreduce.__version__,
         "code_sha256": code_digest(),

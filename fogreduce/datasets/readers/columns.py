@@ -5,6 +5,7 @@ A format is a small class beside this one: it lists its columns and yields them 
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -181,8 +182,6 @@ class ColumnsReader:
 
 def needs(module: str, extra: str, path: Path) -> Any:
     """A library that comes with an extra of the package; BadInput names the extra where it is not there."""
-    import importlib
-
     try:
         return importlib.import_module(module)
     except ImportError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -139,8 +140,6 @@ def _delimiters(line: bytes, text: Text) -> int:
 
 def _recoded(file: IO[bytes], path: Path) -> IO[bytes]:
     """UTF-16 as UTF-8: loggers that write it write small files."""
-    import io
-
     try:
         return io.BytesIO(file.read().decode("utf-16").encode())
     except UnicodeDecodeError:
