@@ -6,7 +6,7 @@ rule checksums:
         manifest=rules.manifest.output[0],
         stages=STAGES,
         figures=run_file("figures") if CONFIG.figures.enabled else [],
-        allan=run_file("allan") if CONFIG.allan.enabled else [],
+        allan=rules.allan.output if CONFIG.allan.enabled else [],
         page=rules.run_page.output if CONFIG.pages.enabled else [],
     output:
         run_file("outputs.json"),
@@ -72,14 +72,16 @@ rule bag:
 
 rule selftest:
     output:
-        directory(f"{RESULTS}/_selftest"),
+        f"{RESULTS}/_selftest/selftest.html",
+        f"{RESULTS}/_selftest/selftest.json",
     log:
         f"{RESULTS}/_archive/logs/_selftest.log",
     params:
         code=code_digest("fogreduce.selftest.run"),
         lock=LOCK,
+        out=subpath(output[0], parent=True),
     shell:
-        "fogreduce selftest --out {output:q} > {log:q} 2>&1"
+        "fogreduce selftest --out {params.out:q} > {log:q} 2>&1"
 
 
 rule archive:

@@ -31,7 +31,11 @@ rule allan:
         manifest=run_file("manifest.json"),
         stages=STAGES,
     output:
-        directory(run_file("allan")),
+        run_file("allan/allan.csv"),
+        run_file("allan/noise.csv"),
+        run_file("allan/spectrum.csv"),
+        run_file("allan/allan.png"),
+        run_file("allan/allan.svg"),
     log:
         run_file("logs/allan.log"),
     params:
@@ -42,6 +46,6 @@ rule allan:
             "fogreduce.characterise.allan_figure",
         ),
         lock=LOCK,
-        out=subpath(output[0], parent=True),
+        out=subpath(output[0], ancestor=2),
     shell:
         "fogreduce allan {params.out:q} > {log:q} 2>&1"
