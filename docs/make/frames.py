@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from space import View, arc, arrow, between, blank
 
-from fogreduce.figures.space import View, arc, arrow, between, blank
 from fogreduce.physics.earth_rate import earth_rate_enu
 from fogreduce.physics.frames import rotation, unit_from_enu
 from fogreduce.plotting import style

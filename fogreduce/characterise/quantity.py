@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,8 +75,3 @@ def largest_error(std: Array) -> float:
     """
     each = COVERAGE ** (1 / std.size)
     return float(ndtri((1 + each) / 2) * std.max())
-
-
-def is_finite(*values: float) -> bool:
-    """Whether all are finite."""
-    return all(math.isfinite(value) for value in values)

@@ -41,17 +41,6 @@ UNUSABLE_AXES = (
     UNUSABLE_RECORD | RecordFlag.MISSING_GYRO | RecordFlag.SPURIOUS_GYRO | RecordFlag.CONSTANT_GYRO
 )
 
-MEANINGS = {
-    RecordFlag.MISSING_GYRO: "a gyro did not answer",
-    RecordFlag.SPURIOUS_GYRO: "a gyro's count is spurious",
-    RecordFlag.REPEATED: "a pulse number that occurred before",
-    RecordFlag.OUT_OF_ORDER: "came after a later pulse",
-    RecordFlag.BAD_STAMP: "time stamp and pulse number disagree",
-    RecordFlag.BEYOND_PROFILE: "before the commanded profile's start or after its end",
-    RecordFlag.CONSTANT_GYRO: "a gyro's reading stays the same for longer than chance",
-    RecordFlag.ACCELERATING: "the table had not yet reached the commanded rate",
-}
-
 
 def record_flags(records: Bytes, gyros: Bytes) -> Bytes:
     """The record's own flags (N,) with what its gyros' flags (n, N) say added."""

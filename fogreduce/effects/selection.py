@@ -13,7 +13,7 @@ from fogreduce.effects.gyro_names import gyro_index, gyro_name
 from fogreduce.effects.model import Effect, Parameter
 from fogreduce.effects.table import EFFECTS
 from fogreduce.errors import BadInput, Fault
-from fogreduce.metadata.effects_file import EffectEntry, EffectsFile
+from fogreduce.metadata.effects_file import EffectEntry
 
 
 @dataclass(frozen=True)
@@ -84,11 +84,6 @@ def select(
     if faults:
         raise BadInput(*faults)
     return actions
-
-
-def read_actions(path: object, run_ids: Sequence[str], n_gyros: int) -> list[Action]:
-    """Read and check an effects file."""
-    return select(EffectsFile.from_yaml(str(path)).effects, run_ids, n_gyros, path)
 
 
 def action(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
@@ -11,12 +11,6 @@ from fogreduce.metadata.faults import unexpected
 from fogreduce.metadata.patterns import FORMAT_PATTERN
 from fogreduce.metadata.words import kind_of
 from fogreduce.physics.raw_quantity import RawUnitName
-
-#: Unit of a time column. `ticks`: a counter, whose tick `tick_s` states; `iso8601`: date and time as text, or
-#: as a format's own instants.
-TIME_UNITS = ("s", "ms", "us", "ns", "ticks", "iso8601")
-#: What a time column counts from: the run's start, 1970 (Unix) or 1980-01-06 (GPS, without leap seconds).
-EPOCHS = ("run", "unix", "gps")
 
 
 def _column(value: object) -> object:
@@ -194,8 +188,3 @@ _KEYS: dict[str, tuple[str, ...]] = {
     "text": ("table",),
     "dataset": ("hdf5", "mat", "npz", "tdms"),
 }
-
-
-def serves_as_log(capture: dict[str, Any], key: str) -> bool:
-    """Whether a column of the capture, as plain validated data, is named for a key of `LOG_COLUMNS`."""
-    return bool((capture.get("columns") or {}).get(key) is not None)

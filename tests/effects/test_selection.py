@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from fogreduce.effects.selection import read_actions, select
+from fogreduce.effects.selection import select
 from fogreduce.errors import BadInput
-from fogreduce.metadata.effects_file import EffectEntry
+from fogreduce.metadata.effects_file import EffectEntry, EffectsFile
 
 RUNS = ["1-xp", "2-xm", "still"]
 
@@ -143,6 +143,6 @@ def test_the_contracts_example(tmp_path: Path) -> None:
         '  - {effect: bias_ramp, channels: [gyro2], runs: ["*"], parameters: {deg_h_per_h: 1.2}}\n'
         '  - {effect: table_rate_error, channels: [table], runs: ["*"], parameters: {ppm: 35}}\n'
     )
-    ramp, table = read_actions(file, RUNS, 4)
+    ramp, table = select(EffectsFile.from_yaml(str(file)).effects, RUNS, 4, file)
     assert (ramp.gyros, ramp.parameters) == ((1,), {"deg_h_per_h": 1.2})
     assert (table.gyros, table.parameters) == ((), {"ppm": 35.0})

@@ -6,9 +6,6 @@ import re
 
 _NUMBER = re.compile(r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?")
 
-#: Bytes that a file may begin with to say that it is UTF-8 (a byte order mark).
-BOM = b"\xef\xbb\xbf"
-
 
 def number_in(text: str, decimal: str = ".") -> float | None:
     """The number that a field holds, spaces about it allowed; None where it is none.
