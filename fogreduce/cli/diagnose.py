@@ -86,7 +86,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose; the verdict on standard output."""
-    from fogreduce.cli.many import Own, campaign_folders, diagnose_each, read_each
+    from fogreduce.cli.many import OfCampaign, campaign_folders, diagnose_each, read_each
     from fogreduce.datasets.sole_writer import sole_writer
 
     if args.out is None and not args.detectable:
@@ -101,12 +101,12 @@ def run(args: argparse.Namespace) -> int:
     campaigns = args.campaign if several is None else several
     if several is not None and args.simulated is not None:
         raise BadInput.at("--simulated", "", found=f"{len(several)} campaigns", expected="one campaign")
-    own = read_each(args.each, [path.resolve().name for path in campaigns]) if args.each else {}
+    by_campaign = read_each(args.each, [path.resolve().name for path in campaigns]) if args.each else {}
     only = run_ids(args.only_runs)
 
     def one(campaign: Path) -> None:
         name = campaign.resolve().name
-        mine = own.get(name, Own())
+        mine = by_campaign.get(name, OfCampaign())
         out = args.out if several is None or args.out is None else args.out / name
         if out is not None:
             refuse_raw("--out", out)

@@ -19,7 +19,7 @@ from fogreduce.progress import progress
 
 
 @dataclass(frozen=True)
-class Own:
+class OfCampaign:
     """What holds for one campaign alone: effects taken out of the catalogue, runs to keep (empty: all)."""
 
     without: tuple[str, ...] = ()
@@ -59,10 +59,10 @@ def campaign_folders(given: Sequence[Path]) -> list[Path] | None:
     return found
 
 
-def read_each(path: Path, campaigns: Sequence[str]) -> dict[str, Own]:
+def read_each(path: Path, campaigns: Sequence[str]) -> dict[str, OfCampaign]:
     """A file of what holds for single campaigns, YAML or JSON: name -> {without: [...], only_runs: [...]}."""
     faults: list[Fault] = []
-    out: dict[str, Own] = {}
+    out: dict[str, OfCampaign] = {}
     for name, entry in load_yaml(path).items():
         if name not in campaigns:
             faults.append(Fault(str(path), str(name), "no such campaign", "one of those to be diagnosed"))
@@ -82,7 +82,7 @@ def read_each(path: Path, campaigns: Sequence[str]) -> dict[str, Own]:
                     if effect not in EFFECTS
                 ]
         if not faults:
-            out[str(name)] = Own(*(tuple(entry.get(key, ())) for key in ("without", "only_runs")))
+            out[str(name)] = OfCampaign(*(tuple(entry.get(key, ())) for key in ("without", "only_runs")))
     if faults:
         raise BadInput(*faults)
     return out

@@ -44,7 +44,7 @@ class Messages(logging.Handler):
         super().__init__()
         self._nothing_to_do = nothing_to_do
         self._bar = ExitStack()
-        self._told: Callable[[int], None] = lambda done: None
+        self._advance: Callable[[int], None] = lambda done: None
         self._jobs = self._started = 0
         self.failed: list[FailedJob] = []
 
@@ -55,9 +55,9 @@ class Messages(logging.Handler):
             self._jobs = int(getattr(record, "stats", {}).get("total", 0))
         elif event == "job_info" and self._jobs:
             if not self._started:
-                self._told = self._bar.enter_context(progress(self._jobs, "jobs"))
+                self._advance = self._bar.enter_context(progress(self._jobs, "jobs"))
             self._started += 1
-            self._told(min(self._started, self._jobs))
+            self._advance(min(self._started, self._jobs))
         elif event == "job_error":
             self._keep(getattr(record, "rule_name", "?"), getattr(record, "log", None))
         elif event == "group_error":

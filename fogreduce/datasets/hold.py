@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-_HELD = (signal.SIGINT, signal.SIGTERM)
+_DEFERRED = (signal.SIGINT, signal.SIGTERM)
 
 
 @contextmanager
@@ -21,7 +21,7 @@ def signals_held() -> Iterator[None]:
         yield
         return
     met: list[int] = []
-    before = {number: signal.getsignal(number) for number in _HELD}
+    before = {number: signal.getsignal(number) for number in _DEFERRED}
     for number, handler in before.items():
         if callable(handler):
             signal.signal(number, lambda number, frame: met.append(number))

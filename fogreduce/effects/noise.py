@@ -64,10 +64,10 @@ def common_noise(levels: NoiseLevels, p: Numbers, at: At) -> NoiseLevels:
     s = sqrt(1 - r); r must lie between -1 / (m - 1) and 1.
     """
     correlation, group = p["correlation"], list(at.place.group)
-    own = math.sqrt(1.0 - correlation)
+    weight_of_own = math.sqrt(1.0 - correlation)
     whole = math.sqrt(max(1.0 + (len(group) - 1) * correlation, 0.0))
-    mixing = levels.mixing * own
-    mixing[group] += (whole - own) / len(group)
+    mixing = levels.mixing * weight_of_own
+    mixing[group] += (whole - weight_of_own) / len(group)
     return replace(levels, mixing=mixing)
 
 

@@ -151,17 +151,17 @@ class _Check:
         return frozenset(chosen)
 
     def parameters(self, effect: Effect, given: Mapping[str, Any]) -> dict[str, Any]:
-        known = {p.name: p for p in effect.parameters}
+        parameters_by_name = {p.name: p for p in effect.parameters}
         for name in given:
-            if name not in known:
-                near = difflib.get_close_matches(name, known, n=1)
+            if name not in parameters_by_name:
+                near = difflib.get_close_matches(name, parameters_by_name, n=1)
                 hint = f" (did you mean {near[0]}?)" if near else ""
-                names = ", ".join(known) or "none at all"
+                names = ", ".join(parameters_by_name) or "none at all"
                 self.wrong(
                     f"parameters.{name}", "an unknown parameter" + hint, f"those of {effect.name}: {names}"
                 )
         values: dict[str, Any] = {}
-        for name, parameter in known.items():
+        for name, parameter in parameters_by_name.items():
             if name in given:
                 values[name] = self.value(f"parameters.{name}", parameter, given[name])
             elif parameter.required:

@@ -53,7 +53,7 @@ class Geometries:
 
     axes: Array
     white: Array | None = None
-    _known: dict[bytes, SubGeometry | None] = field(default_factory=dict)
+    _by_pattern: dict[bytes, SubGeometry | None] = field(default_factory=dict)
 
     @property
     def noise(self) -> Array:
@@ -65,9 +65,9 @@ class Geometries:
     def of(self, there: Mask) -> SubGeometry | None:
         """With the gyros that answered, (n,); None where they do not determine x, y and z."""
         key = there.tobytes()
-        if key not in self._known:
-            self._known[key] = self._worked_out(there)
-        return self._known[key]
+        if key not in self._by_pattern:
+            self._by_pattern[key] = self._worked_out(there)
+        return self._by_pattern[key]
 
     def _worked_out(self, there: Mask) -> SubGeometry | None:
         if not spans_space(self.axes[there]):

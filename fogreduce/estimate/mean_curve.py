@@ -227,12 +227,12 @@ class CurveSums:
             columns = columns.copy()
             columns[:, odd] = shifted[:, odd] = 0.0
             for channel in range(len(values)):
-                alone = usable[channel, odd] > 0
-                if alone.any():
-                    root = np.sqrt(usable[channel, odd[alone]])
-                    part = root * odd_shifted[channel : channel + 1, alone]
+                has_records = usable[channel, odd] > 0
+                if has_records.any():
+                    root = np.sqrt(usable[channel, odd[has_records]])
+                    part = root * odd_shifted[channel : channel + 1, has_records]
                     one = slice(channel, channel + 1)
-                    self._add(root * odd_columns[:, alone], part, one, int(alone.sum()))
+                    self._add(root * odd_columns[:, has_records], part, one, int(has_records.sum()))
         self._add(columns, shifted, slice(None), records)
 
     def _add(self, columns: Array, values: Array, channels: slice, records: int) -> None:

@@ -88,10 +88,10 @@ class Likelihood:
         return Likelihood(self.squares, whole * self.log_determinant, share * self.freedom)
 
     @property
-    def is_known(self) -> NDArray[np.bool_]:
+    def is_determined(self) -> NDArray[np.bool_]:
         """(channels,): which have residuals at all."""
-        known: NDArray[np.bool_] = (self.squares[:, 0, 0] > 0) & (self.freedom > _FEWEST)
-        return known
+        determined: NDArray[np.bool_] = (self.squares[:, 0, 0] > 0) & (self.freedom > _FEWEST)
+        return determined
 
     def log(self, channel: int) -> tuple[Array, Array]:
         """Logarithm of a channel's likelihood, the white noise's size marginalised; and that size: (f, k)."""

@@ -76,7 +76,7 @@ def posteriors(
     flicker, walk : (n,) arrays or None
         Stated coefficients B^2 and K^2 in the residuals' unit; None where the record states none.
     """
-    at = np.flatnonzero(found.is_known).tolist()
+    at = np.flatnonzero(found.is_determined).tolist()
     if not at:
         return [NoisePosterior.none() for _ in found.freedom]
     logs, white = (np.array(part) for part in zip(*(found.log(gyro) for gyro in at), strict=True))
@@ -96,10 +96,10 @@ def posteriors(
     before = _ALIKE_STATED if is_stated else _ALIKE
     odds = np.log(before / (1.0 - before)) + of_alike - evidence
     weight = float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0)))) if len(at) > 1 else 0.0
-    known = {
+    determined = {
         gyro: _moments(grid, weight * alike + (1.0 - weight) * each[k], white[k]) for k, gyro in enumerate(at)
     }
-    return [known.get(i, NoisePosterior.none()) for i in range(len(found.freedom))]
+    return [determined.get(i, NoisePosterior.none()) for i in range(len(found.freedom))]
 
 
 def _anything(sizes: Array, none: float) -> Array:

@@ -93,30 +93,30 @@ class Numbering:
         """The next piece of what lies ahead: its records, their numbers, and which stamps are wrong."""
         window = self._behind + ahead[: _PIECE + _NEIGHBOURS]
         first, size = len(self._behind), min(_PIECE, len(ahead))
-        own = slice(first, first + size)
+        piece = slice(first, first + size)
         source = _sent_before(window)
-        alone = source < 0
-        self._take_out_steps_back(window, first, size, alone)
+        is_first = source < 0
+        self._take_out_steps_back(window, first, size, is_first)
         resolution_us = int(np.gcd.reduce(np.diff(window.time_us))) if len(window) > 1 else 0
         rate = self.clock.stated_rate_hz
         to_samples = rate / MICROSECONDS_PER_SECOND
-        place = (window.time_us[alone] - window.time_us[0]) * to_samples
+        place = (window.time_us[is_first] - window.time_us[0]) * to_samples
         order = window_order(place, resolution_us * to_samples)
         number = np.empty(len(window), np.int64)
-        number[alone] = order.number
-        number[~alone] = number[source[~alone]]
+        number[is_first] = order.number
+        number[~is_first] = number[source[~is_first]]
         number += self._anchor(number, window, order.interval)
         wrong = np.zeros(len(window), bool)
-        wrong[alone] = _wrong_stamps(order.off, max(STAMP_TOLERANCE_PULSES, STAMP_TOLERANCE_S * rate))
+        wrong[is_first] = _wrong_stamps(order.off, max(STAMP_TOLERANCE_PULSES, STAMP_TOLERANCE_S * rate))
         off = np.zeros(len(window))
-        off[alone] = order.off
-        good = own.start + np.flatnonzero((alone & ~wrong)[own])
+        off[is_first] = order.off
+        good = piece.start + np.flatnonzero((is_first & ~wrong)[piece])
         self.clock.add(number[good], window.time_us[good], off[good] * order.interval / rate, resolution_us)
-        self.clock.doubled += _doubled(window, alone, own)
-        self._behind = window[max(0, own.stop - _NEIGHBOURS) : own.stop]
-        self._behind_number = number[max(0, own.stop - _NEIGHBOURS) : own.stop]
+        self.clock.doubled += _doubled(window, is_first, piece)
+        self._behind = window[max(0, piece.stop - _NEIGHBOURS) : piece.stop]
+        self._behind_number = number[max(0, piece.stop - _NEIGHBOURS) : piece.stop]
         self._done += size
-        return window[own], number[own], wrong[own]
+        return window[piece], number[piece], wrong[piece]
 
     def _anchor(self, number: Integers, window: _Part, interval: float) -> int:
         """What makes a window's numbers those of the run."""
@@ -132,10 +132,10 @@ class Numbering:
             shift += int(behind.max()) + 1 - int(following.min())
         return shift
 
-    def _take_out_steps_back(self, window: _Part, first: int, size: int, alone: Flags) -> None:
+    def _take_out_steps_back(self, window: _Part, first: int, size: int, is_first: Flags) -> None:
         """Move the stamps that follow a step back, in place; remember what was taken out of this piece's."""
         window.time_us[first:] += self._taken_out_us
-        index = np.flatnonzero(alone)
+        index = np.flatnonzero(is_first)
         time = window.time_us[index]
         step = np.diff(time)
         rate = self.clock.stated_rate_hz
@@ -196,11 +196,11 @@ def _sent_before(window: _Part) -> Integers:
     return source
 
 
-def _doubled(window: _Part, alone: Flags, own: slice) -> int:
+def _doubled(window: _Part, is_first: Flags, piece: slice) -> int:
     """Records of a piece whose stamp is that of the record before, though they are others."""
-    index = np.flatnonzero(alone)
+    index = np.flatnonzero(is_first)
     same = index[1:][np.diff(window.time_us[index]) == 0]
-    return int(np.count_nonzero((same >= own.start) & (same < own.stop)))
+    return int(np.count_nonzero((same >= piece.start) & (same < piece.stop)))
 
 
 def _digest(block: RawBlock) -> Integers:

@@ -19,7 +19,7 @@ Values = NDArray[Any]  # counts (int32) or raw readings (float64)
 Flags = NDArray[np.bool_]
 
 _PIECE = 128  # samples that are searched together, with as many on each side
-_JUDGED = 64  # samples whose scatter is judged together: the noisiest of those around counts
+_STRETCH = 64  # samples whose scatter is judged together: the noisiest of those around counts
 _HALF = 4  # samples on each side in the running median
 _BURST = 1.6  # of the typical scatter: a stretch is noisier than by chance, four standard errors of its own
 _ACTIVE = 0.05  # where fewer differences than this are other than zero, the scatter is not known
@@ -135,14 +135,14 @@ def dense(values: Values, repeated: Flags, threshold: float, floor: float) -> Fl
     -------
     (N,) array of bool, or None where fewer than a quarter of the stretches hold two widths.
     """
-    stretches = len(repeated) // _JUDGED
+    stretches = len(repeated) // _STRETCH
     if not stretches:
         return None
     steps = np.where(repeated, 0.0, np.abs(np.diff(values)))
-    scales, two = narrow_scales(steps[: stretches * _JUDGED].reshape(stretches, _JUDGED))
+    scales, two = narrow_scales(steps[: stretches * _STRETCH].reshape(stretches, _STRETCH))
     if np.count_nonzero(two) < 0.25 * stretches:
         return None
-    place = np.minimum(np.arange(len(values)) // _JUDGED, stretches - 1)
+    place = np.minimum(np.arange(len(values)) // _STRETCH, stretches - 1)
     limit = threshold * np.maximum(scales, floor)[place]
     found = np.zeros(len(values), bool)
     for _ in range(_PASSES):
@@ -213,7 +213,7 @@ class OutlierSearch:
     def _search(self, around: Values, typical: float, floor: float, idle: float) -> Flags:
         """Spurious samples of pieces (m, PIECE), each given with its two neighbours, (m, 3 PIECE)."""
         # A burst of noise that begins at the edge of a piece must not be judged by the quiet before it.
-        local = robust_scales(around.reshape(len(around), -1, _JUDGED), floor, idle).max(axis=1)
+        local = robust_scales(around.reshape(len(around), -1, _STRETCH), floor, idle).max(axis=1)
         # The largest of six scales is a fifth above the true one by chance alone: that is no burst.
         local = np.where(local > _BURST * typical, local, typical)
         inner = around[:, _PIECE - _HALF : 2 * _PIECE + _HALF]

@@ -45,7 +45,7 @@ class RateDifference:
     sine_sigma: float = math.nan
 
     @property
-    def is_known(self) -> bool:
+    def is_determined(self) -> bool:
         """Whether there is a measured rate."""
         return not math.isnan(self.measured)
 
@@ -69,7 +69,7 @@ class RateDifference:
     @property
     def chances(self) -> list[float]:
         """Probability of a mean, and of a sine, as far off or farther when nothing is wrong."""
-        if not self.is_known:
+        if not self.is_determined:
             return []
         found = [math.erfc(abs(self.sigma) / math.sqrt(2))]
         if not math.isnan(self.sine_sigma):

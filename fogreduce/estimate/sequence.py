@@ -108,13 +108,13 @@ class SequenceCheck:
         steady = np.ptp(late_us) <= self._tolerance_us
         allowed_us = self._tolerance_us + _CLOCK_RATE * interval_us * abs(int(pulse[0]) - self._late_pulse)
         if not (steady and not self._apart_us and abs(late_us[0] - self._late_us) <= allowed_us):
-            alone = isolated(late_us, self._tolerance_us)
-            calm = np.where(alone, median_of_nine(late_us), late_us)
+            is_isolated = isolated(late_us, self._tolerance_us)
+            calm = np.where(is_isolated, median_of_nine(late_us), late_us)
             steps = np.diff(calm, prepend=self._late_us)
             passed = np.abs(np.diff(pulse, prepend=self._late_pulse)) * interval_us
             jumps = np.where(np.abs(steps) > self._tolerance_us + _CLOCK_RATE * passed, steps, 0.0)
             apart_us = self._apart_us + np.cumsum(jumps)
-            wrong = alone | (np.abs(apart_us) > self._tolerance_us)
+            wrong = is_isolated | (np.abs(apart_us) > self._tolerance_us)
             self._apart_us = float(apart_us[-1]) if abs(apart_us[-1]) > self._tolerance_us else 0.0
             late_us = calm
         self._late_us, self._late_pulse = float(late_us[-1]), int(pulse[-1])

@@ -26,12 +26,12 @@ def smoothed(values: Array) -> Array:
     if rows < 8:
         return values
     d = np.diff(values, 3)
-    own = np.zeros((4, rows - 3))  # of D D', below its diagonal
+    of_differences = np.zeros((4, rows - 3))  # of D D', below its diagonal
     for lag in range(4):
-        own[lag, : rows - 3 - lag] = _THIRD[: 4 - lag] @ _THIRD[lag:]
+        of_differences[lag, : rows - 3 - lag] = _THIRD[: 4 - lag] @ _THIRD[lag:]
     best, least = values, np.inf
     for ratio in _RATIOS:
-        covariance = own.copy()
+        covariance = of_differences.copy()
         covariance[0] += ratio
         factor = cholesky_banded(covariance, lower=True)
         solved = cho_solve_banded((factor, True), d)

@@ -135,7 +135,7 @@ def _header(rows: list[tuple[int, list[str]]], first: int, width: int) -> tuple[
     if first == 0 or len(rows[first - 1][1]) != width:
         return None, 0
     units = [f.strip("[]()") for f in rows[first - 1][1]]
-    known = [unit for unit in units if unit and (raw_unit_of(unit) or time_unit_of(unit))]
-    if first > 1 and len(rows[first - 2][1]) == width and len(known) > 1:
+    recognised = [unit for unit in units if unit and (raw_unit_of(unit) or time_unit_of(unit))]
+    if first > 1 and len(rows[first - 2][1]) == width and len(recognised) > 1:
         return first - 2, 1
     return first - 1, 0

@@ -173,8 +173,8 @@ class CaptureInfo(Model):
         if self.format in COLUMN_FORMATS and self.columns is None:
             raise unexpected("which column is what: time, gyros", found="nothing", key="columns")
         for key, formats in _KEYS.items():
-            known = self.format in ("fogcap-1", "csv-1", *COLUMN_FORMATS)
-            if known and self.format not in formats and getattr(self, key) is not None:
+            is_bundled = self.format in ("fogcap-1", "csv-1", *COLUMN_FORMATS)
+            if is_bundled and self.format not in formats and getattr(self, key) is not None:
                 raise unexpected(f"no such key for format {self.format}", found="this key", key=key)
         return self
 

@@ -156,10 +156,10 @@ def _unknown_key(model: type[BaseModel] | None, location: tuple[int | str, ...])
     parent = _model_at(model, location[:-1])
     if parent is None:
         return "an unknown key", "no such key"
-    known = [info.alias or name for name, info in parent.model_fields.items()]
-    close = difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
+    keys = [info.alias or name for name, info in parent.model_fields.items()]
+    close = difflib.get_close_matches(str(location[-1]), keys, n=1, cutoff=0.5)
     hint = f" (did you mean {close[0]}?)" if close else ""
-    return f"an unknown key{hint}", "one of " + ", ".join(known)
+    return f"an unknown key{hint}", "one of " + ", ".join(keys)
 
 
 def _described(model: type[BaseModel] | None, location: tuple[int | str, ...]) -> str:

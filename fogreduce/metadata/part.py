@@ -86,8 +86,8 @@ class Part(Model):
         if not path.exists() and str(name) in BUNDLED:
             return cls.from_yaml(BUNDLED[str(name)])
         if not path.exists():
-            known = ", ".join(BUNDLED)
-            raise BadInput.at("--part", "", found=str(name), expected=f"a part file, or one of {known}")
+            names = ", ".join(BUNDLED)
+            raise BadInput.at("--part", "", found=str(name), expected=f"a part file, or one of {names}")
         return cls.from_yaml(path)
 
     def filled(

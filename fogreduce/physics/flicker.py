@@ -109,7 +109,7 @@ class _Slow:
             _bottom_response(plan.bottom_step_s), _BOTTOM_TAPS, _BOTTOM_TRANSFORM, generator
         )
         self._every = plan.bottom_stride
-        self._known = self._bottom.next_block()
+        self._drawn = self._bottom.next_block()
         self._point = 0  # the block's first point, counted from the first of `_known`
 
     def next_block(self) -> Array:
@@ -133,14 +133,14 @@ class _Slow:
     def _bottom_at(self, count: int) -> Array:
         """The bottom at the block's points; the last one is the next block's first."""
         index, part = np.divmod(self._point + np.arange(count), self._every)
-        while index[-1] + 1 >= len(self._known):
+        while index[-1] + 1 >= len(self._drawn):
             behind = int(index[0])
-            self._known = np.concatenate((self._known[behind:], self._bottom.next_block()))
+            self._drawn = np.concatenate((self._drawn[behind:], self._bottom.next_block()))
             self._point -= behind * self._every
             index -= behind
         self._point += count - 1
-        left = self._known[index]
-        bottom: Array = left + (self._known[index + 1] - left) * (part / self._every)
+        left = self._drawn[index]
+        bottom: Array = left + (self._drawn[index + 1] - left) * (part / self._every)
         return bottom
 
 

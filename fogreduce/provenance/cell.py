@@ -90,9 +90,9 @@ def find_cell(results: Path, name: CellName) -> Cell:
     if name.nth is not None:
         fitting = fitting[name.nth - 1 : name.nth]
     if len(fitting) != 1:
-        known = _some_rows(row_names(header, rows))
+        candidates = _some_rows(row_names(header, rows))
         asked = name.row + (f"@{name.segment}" if name.segment else "") + (f"#{name.nth}" if name.nth else "")
-        raise BadInput.at(path, "", found=f"{len(fitting)} rows {asked}", expected=f"one row of {known}")
+        raise BadInput.at(path, "", found=f"{len(fitting)} rows {asked}", expected=f"one row of {candidates}")
     return cell_at(name.table, header, rows, fitting[0], name.column)
 
 

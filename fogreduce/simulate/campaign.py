@@ -131,20 +131,20 @@ def _copy_metadata(plan: Plan, run: Run, here: Path) -> None:
     """run.yaml and logs, as they stand; run.yaml anew where the capture is simulated in another format."""
     here.mkdir(parents=True)
     source = plan.folder / "runs" / run.run_id
-    own = plan.runs[run.run_id]
-    for name in ("run.yaml", own.temperature, own.table_log):
+    planned = plan.runs[run.run_id]
+    for name in ("run.yaml", planned.temperature, planned.table_log):
         if name is not None:
             shutil.copyfile(source / name, here / name)
-    if run == own:
+    if run == planned:
         return
     changed: dict[str, object] = {"capture": run.capture.model_dump(mode="json", exclude_none=True)}
-    plain, start_us = own.model_dump(mode="json"), own.start_us
-    if (source / own.capture.file).is_file():
+    plain, start_us = planned.model_dump(mode="json"), planned.start_us
+    if (source / planned.capture.file).is_file():
         temperatures, angles = (read(source, plain, start_us) for read in (temperatures_of, table_log_of))
-        if own.temperature is None and temperatures is not None:
+        if planned.temperature is None and temperatures is not None:
             write_log(here / TEMPERATURE_FILE, temperatures)
             changed["temperature"] = TEMPERATURE_FILE
-        if own.table_log is None and angles is not None:
+        if planned.table_log is None and angles is not None:
             write_log(here / TABLE_FILE, angles)
             changed["table_log"] = TABLE_FILE
     write_text(here / "run.yaml", dump_yaml({**load_yaml(source / "run.yaml"), **changed}))

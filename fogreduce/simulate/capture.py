@@ -56,11 +56,11 @@ def simulated(run: Run) -> Run:
     What only a reader of the own format needs (columns, times, text) is then left out of run.yaml, and logs
     that are columns of the capture are named as files.
     """
-    own = run.capture
-    if own.format in WRITERS:
-        return _with_capture(run, own.model_copy(update={"time_zero": None})) if own.time_zero else run
-    kept = {key: getattr(own, key) for key in _ANY_FORMAT}
-    return _with_capture(run, type(own)(file="capture.fogcap", format=fogcap.FORMAT, **kept))
+    info = run.capture
+    if info.format in WRITERS:
+        return _with_capture(run, info.model_copy(update={"time_zero": None})) if info.time_zero else run
+    kept = {key: getattr(info, key) for key in _ANY_FORMAT}
+    return _with_capture(run, type(info)(file="capture.fogcap", format=fogcap.FORMAT, **kept))
 
 
 def _with_capture(run: Run, capture: CaptureInfo) -> Run:

@@ -161,8 +161,8 @@ class ForwardRun:
 
     def noise_levels(self, noise: NoiseCoefficients) -> list[NoiseLevels]:
         """Each gyro's noise: what the record states, with the effects on noise in it."""
-        own = np.eye(self.facts.n_gyros)
-        stated = zip(noise.white_deg_sqrt_h, noise.flicker_deg_h, noise.walk_deg_h_sqrt_h, own, strict=True)
+        each = np.eye(self.facts.n_gyros)
+        stated = zip(noise.white_deg_sqrt_h, noise.flicker_deg_h, noise.walk_deg_h_sqrt_h, each, strict=True)
         return self._per_gyro(Stage.NOISE, [NoiseLevels(n, b, k, row) for n, b, k, row in stated])
 
     # ----------------------------------------------------------------------------------- a capture

@@ -50,18 +50,18 @@ class GyroNoise:
     """
 
     def __init__(self, levels: Sequence[NoiseLevels], sample_rate_hz: float, run_id: str, seed: int) -> None:
-        def own(gyro: int, process: str) -> np.random.Generator:
+        def generator_of(gyro: int, process: str) -> np.random.Generator:
             return stream(seed, "noise", run_id, gyro_name(gyro), process)
 
         n = len(levels)
-        self._white = [own(i, "white") for i in range(n)]
+        self._white = [generator_of(i, "white") for i in range(n)]
         self._sigma = [float(white_sigma(level.white_deg_sqrt_h, sample_rate_hz)) for level in levels]
         mixing = np.array([level.mixing for level in levels])
         self._mixing = None if np.array_equal(mixing, np.eye(n)) else mixing
         self._slow: list[tuple[int, float, FlickerSource | WalkSource]] = []
         for i, level in enumerate(levels):
-            flicker = [(level.flicker_deg_h, own(i, "flicker")), *level.further_flicker]
-            walk = [(level.walk_deg_h_sqrt_h, own(i, "walk")), *level.further_walk]
+            flicker = [(level.flicker_deg_h, generator_of(i, "flicker")), *level.further_flicker]
+            walk = [(level.walk_deg_h_sqrt_h, generator_of(i, "walk")), *level.further_walk]
             for coefficient, generator in flicker:
                 if coefficient > 0.0:
                     self._slow.append((i, coefficient, FlickerSource(sample_rate_hz, generator)))

@@ -192,8 +192,8 @@ def _runs_and_records(
 
 
 def _chosen(runs: dict[str, Run], only_runs: Sequence[str]) -> list[str]:
-    known = ", ".join(runs)
-    wrong = [Fault("--only-runs", "", name, f"one of {known}") for name in only_runs if name not in runs]
+    names = ", ".join(runs)
+    wrong = [Fault("--only-runs", "", name, f"one of {names}") for name in only_runs if name not in runs]
     if wrong:
         raise BadInput(*wrong)
     return [run_id for run_id in runs if not only_runs or run_id in only_runs]

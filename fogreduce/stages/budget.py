@@ -324,10 +324,10 @@ def _add_sum(
     if any(part is None for part in parts):
         return
     spans = [each["stop_s"] - each["start_s"] if summed == "mean_rate" else 1.0 for each in segments]
-    known = [(span, part) for span, part in zip(spans, parts, strict=True) if part is not None]
-    value = math.fsum(span * part.value for span, part in known)
-    sources = np.sum([span * part.sources for span, part in known], axis=0)
-    error, spread = math.hypot(*(span * part.noise for span, part in known)), 0.0
+    determined = [(span, part) for span, part in zip(spans, parts, strict=True) if part is not None]
+    value = math.fsum(span * part.value for span, part in determined)
+    sources = np.sum([span * part.sources for span, part in determined], axis=0)
+    error, spread = math.hypot(*(span * part.noise for span, part in determined)), 0.0
     whole = (fits["whole"] or {}).get(of)
     if whole is not None and channel in fits["whole"]["channels"]:
         k = fits["whole"]["channels"].index(channel)

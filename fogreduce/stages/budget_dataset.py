@@ -154,7 +154,7 @@ class _Measurand:
         """Correlation by the sources of a part, each of which moves all values together."""
         chosen = [k for k, group in enumerate(self._budget.groups) if group == part]
         moved = [np.zeros(len(chosen)) if v is None else v.sources[chosen] for v in self._flat]
-        return _known(correlations(np.array(moved) @ np.array(moved).T))
+        return _filled(correlations(np.array(moved) @ np.array(moved).T))
 
     def _noise(self) -> Array:
         """Correlation by noise.
@@ -171,7 +171,7 @@ class _Measurand:
                 for j, two in enumerate(self._channels[i + 1 :], i + 1):
                     covariance[i, j] = self._budget.noise.get((self._quantity, one, two, segment), 0.0)
                     covariance[j, i] = covariance[i, j]
-            found.append(_known(correlations(covariance)))
+            found.append(_filled(correlations(covariance)))
         between_segments = np.eye(segments)
         if segments > 1 and self._segments[-1] == "all" and self._quantity in JOINT[4:]:
             shares = (rows[:-1] ** 2).sum(axis=1)
@@ -181,11 +181,11 @@ class _Measurand:
         return whole
 
 
-def _known(correlation: Array) -> Array:
+def _filled(correlation: Array) -> Array:
     """A correlation matrix, values without any error as if by themselves."""
-    known = np.where(np.isnan(correlation), 0.0, correlation)
-    np.fill_diagonal(known, 1.0)
-    return known
+    filled = np.where(np.isnan(correlation), 0.0, correlation)
+    np.fill_diagonal(filled, 1.0)
+    return filled
 
 
 def _same(one: Array, other: Array) -> bool:

@@ -89,9 +89,9 @@ def _plain_channel(item: ChannelFit) -> dict[str, Any]:
 def _plain_noise(fits: RunFits, segment: SegmentFit) -> dict[str, Any]:
     """Unit forms of the curves in use, and the covariance of x, y, z together; None where none is known."""
     k = segment.number - 1
-    known = [item for item in segment.channels if item is not None and item.coloured is not None]
-    forms = {str(item.terms): fits.noise.forms(k, item.terms).tolist() for item in known}
-    axes = [item for item in known if item.stated is not None]
+    with_noise = [item for item in segment.channels if item is not None and item.coloured is not None]
+    forms = {str(item.terms): fits.noise.forms(k, item.terms).tolist() for item in with_noise}
+    axes = [item for item in with_noise if item.stated is not None]
     across = None
     if len(axes) == 3:
         across = fits.noise.across(k, [item.terms for item in axes]).reshape(12, 12).tolist()

@@ -82,7 +82,7 @@ def rate_rows(
     for segment, found in zip(fits["segments"], curves, strict=True):
         for k, axis in enumerate(axes):
             differences[axis, segment["segment"]] = _of_axis(facts, k, segment, found.get(axis))
-    if not any(part.is_known for part in differences.values()):
+    if not any(part.is_determined for part in differences.values()):
         for segment, found in zip(fits["segments"], curves, strict=True):
             items = [found.get(gyro) for gyro in gyros]
             of_gyros = _of_gyros(facts, stated, fits, segment, items, budget)
@@ -173,7 +173,7 @@ def _verdicts(facts: RunFacts, differences: Differences) -> dict[tuple[str, int 
     largest = max(_GROSS * float(np.max(np.abs(facts.profile.rate_deg_s))), EARTH_RATE_DEG_S)
     verdicts = dict.fromkeys(differences, NONE)
     for key, part in differences.items():
-        if part.is_known:
+        if part.is_determined:
             off = min(part.chances) < allowed
             verdicts[key] = (GROSS if abs(part.difference) > largest else FLAG) if off else OK
     return verdicts

@@ -45,9 +45,9 @@ def _drift(rows: list[Row]) -> Iterable[str]:
 
 def _difference(rows: list[Row]) -> Iterable[str]:
     """The largest difference of a mean rate from the command, in its standard errors."""
-    known = [row for row in rows if row["difference_sigma"]]
-    if known:
-        worst = max(known, key=lambda row: abs(float(row["difference_sigma"])))
+    with_difference = [row for row in rows if row["difference_sigma"]]
+    if with_difference:
+        worst = max(with_difference, key=lambda row: abs(float(row["difference_sigma"])))
         sigma = float(worst["difference_sigma"])
         yield (
             f"off the command by {float(worst['difference_deg_h']):+.3g} deg/h at most, "

@@ -105,6 +105,6 @@ def one_run(places: list[RunPlace], name: str | None, place: Path, how: str) -> 
     fitting = [item for item in places if name in (None, item.name, item.manifest.run_id)]
     if len(fitting) == 1:
         return fitting[0]
-    known = ", ".join(item.name for item in places[:8]) + (", ..." if len(places) > 8 else "")
+    places_in_words = ", ".join(item.name for item in places[:8]) + (", ..." if len(places) > 8 else "")
     found = f"{len(fitting)} runs" if name is None else f"{len(fitting)} runs named {name}"
-    raise BadInput.at(place, "", found=found, expected=f"one to be named, {how}, of {known}")
+    raise BadInput.at(place, "", found=found, expected=f"one to be named, {how}, of {places_in_words}")

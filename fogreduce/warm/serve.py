@@ -59,14 +59,14 @@ class Job:
 
     pid: int
     connection: socket.socket
-    told_at: float | None = None
+    stopped_at: float | None = None
 
     def stop(self) -> None:
         """Tell it to stop, as Ctrl-C does; for good when it was told long ago."""
-        if self.told_at is None:
-            self.told_at = time.monotonic()
+        if self.stopped_at is None:
+            self.stopped_at = time.monotonic()
             os.kill(self.pid, signal.SIGTERM)
-        elif time.monotonic() - self.told_at > _GRACE_S:
+        elif time.monotonic() - self.stopped_at > _GRACE_S:
             os.kill(self.pid, signal.SIGKILL)
 
 
@@ -119,7 +119,7 @@ class Server:
                 self._end_all()
 
     def _stopping(self) -> list[Job]:
-        return [job for job in self._jobs.values() if job.told_at is not None]
+        return [job for job in self._jobs.values() if job.stopped_at is not None]
 
     def _import(self, modules: Sequence[str]) -> None:
         for module in modules:

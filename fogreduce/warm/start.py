@@ -87,6 +87,6 @@ def sweep(parent: Path) -> None:
     """Remove the folders that servers left behind whose workflow is dead."""
     for folder in parent.glob(f"{_prefix()}*"):
         pid = folder.name.removeprefix(_prefix()).split("-")[0]
-        own = not folder.is_symlink() and folder.is_dir() and folder.stat().st_uid == os.getuid()
-        if own and pid.isdigit() and not Path("/proc", pid).exists():
+        is_ours = not folder.is_symlink() and folder.is_dir() and folder.stat().st_uid == os.getuid()
+        if is_ours and pid.isdigit() and not Path("/proc", pid).exists():
             shutil.rmtree(folder, ignore_errors=True)
