@@ -14,7 +14,7 @@ _MOST = 3
 
 def say_red_flags(setup: Setup) -> None:
     """One line a row of rates.csv that is flagged or has no rate, the first few; nothing for a good run."""
-    from fogreduce.stages.rate_flags import flag_text, odd_rows
+    from fogreduce.pages.rate_flags import flag_text, odd_rows
     from fogreduce.stages.rates import RATES_COLUMNS
     from fogreduce.stages.read_table import read_table
     from fogreduce.stages.summary import RED_FLAG

@@ -85,9 +85,9 @@ def run(arguments: argparse.Namespace) -> int:
     keep_freed_memory()
     from fogreduce.cli.flags import say_red_flags
     from fogreduce.cli.warnings import print_warnings
+    from fogreduce.pages.summary_line import summary_line
     from fogreduce.stages.reduce_into import reduce_into
     from fogreduce.stages.setup import Setup
-    from fogreduce.stages.summary_line import summary_line
 
     setup = Setup(manifest(), arguments.out)
     reduce_into(setup, arguments.run, arguments.calibrations)

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fogreduce.stages.rate_flags import flag_text, odd_rows
+from fogreduce.pages.numbers import minus_signs
+from fogreduce.pages.rate_flags import flag_text, odd_rows
 from fogreduce.stages.read_table import Row
 
 RED_FLAG, WARNING = "red flag", "warning"
@@ -47,13 +48,7 @@ def attention(
         Records that a whole capture holds.
     """
     said = [(RED_FLAG, flag_text(row)) for row in odd_rows(rates)]
-    said += [
-        (
-            row["severity"] or WARNING,
-            f"{row['where']}: {row['what']}: found {row['found']}; expected {row['expected']}",
-        )
-        for row in warnings
-    ]
+    said += [(row["severity"] or WARNING, f"{row['where']}: {row['what']}: {found(row)}") for row in warnings]
     said += [
         (WARNING, f"{kind.replace('_', ' ')}: {value} of {expected} records, {100 * value / expected:.2g} %")
         for kind, value in flagged.items()
@@ -61,6 +56,11 @@ def attention(
         and value > _SHARE * expected
     ]
     return [{"kind": kind, "text": text} for kind, text in said]
+
+
+def found(row: Row) -> str:
+    """What a row of warnings.csv found and expected."""
+    return minus_signs(f"found {row['found']}; expected {row['expected']}")
 
 
 def first_of_each(said: Sequence[Mapping[str, str]]) -> tuple[list[Mapping[str, str]], int]:
@@ -75,7 +75,7 @@ def runs_to_see(
     runs: Sequence[tuple[str, str | None, Sequence[Mapping[str, str]]]], most: int = 10
 ) -> RunsToSee:
     """Of runs as (name, page, why they are flagged) those with a reason, red flags first, then warnings."""
-    found = [
+    listed = [
         {
             "run": name,
             "href": href,
@@ -87,8 +87,8 @@ def runs_to_see(
         if reasons
     ]
     order = (RED_FLAG, WARNING)
-    found.sort(key=lambda entry: order.index(entry["kind"]) if entry["kind"] in order else len(order))
-    return RunsToSee(found[:most], max(0, len(found) - most))
+    listed.sort(key=lambda entry: order.index(entry["kind"]) if entry["kind"] in order else len(order))
+    return RunsToSee(listed[:most], max(0, len(listed) - most))
 
 
 def names_of(kind: str, overviews: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 from collections.abc import Sequence
 
@@ -10,6 +11,7 @@ from collections.abc import Sequence
 _SMALLEST, _LARGEST = 1e-4, 1e7
 #: So many roundings of doubles, one upon the other, are no value: the sums of a mean over blocks.
 _ROUNDINGS = 64
+_NEGATIVE = re.compile(r"(?<![^\s(])-(?=[\d.])")
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -48,6 +50,17 @@ def number(value: float | None, digits: int = 4) -> str:
         return _minus(text)
     mantissa, power = text.split("e")
     return f"{_minus(mantissa)} · 10{str(int(power)).translate(_SUPERSCRIPTS)}"
+
+
+def minus_signs(text: str) -> str:
+    """Words with a minus sign in place of the hyphen before each negative number."""
+    return _NEGATIVE.sub("−", text)
+
+
+def signed(text: str) -> str:
+    """A number as `number` and `plus_minus` write it, with a plus where it is above 0."""
+    value = text.split(" ")[0]
+    return f"+{text}" if "−" not in value and any(c in "123456789" for c in value) else text
 
 
 def apart(values: Sequence[float]) -> list[str]:

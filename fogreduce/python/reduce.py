@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from fogreduce.errors import BadInput
 from fogreduce.metadata.raw_folder import refuse_raw
+from fogreduce.pages.summary_line import summary_line
 from fogreduce.provenance.manifest import manifest
 from fogreduce.stages.read_tables import COLUMNS, read_rows
 from fogreduce.stages.reduce_into import reduce_into
 from fogreduce.stages.setup import Setup
-from fogreduce.stages.summary_line import summary_line
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -31,7 +31,7 @@ ALWAYS = (
     "fogreduce.provenance.versions",
     "fogreduce.stages.nodes.calibrate",
     "fogreduce.stages.nodes.remove_earth",
-    "fogreduce.stages.rate_flags",
+    "fogreduce.pages.rate_flags",
     "fogreduce.stages.run",
     "fogreduce.stages.summary",
     "numpy.fft",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from fogreduce.cli.main import main
@@ -27,6 +28,8 @@ def test_a_wrong_sign_is_said(bench, tmp_path, capsys) -> None:
     assert reduced(bench, run, out) == 0
     err = capsys.readouterr().err
     assert "red flag: made-up/r1: x, segment 1: mean rate" in err
+    assert "deg/s, commanded 10 (\u2212" in err
+    assert not re.search(r"[ (]-\d", err)  # no hyphen for a minus
     assert "looks like the other sign: gyro1 (capture.polarity)" in err
     assert main(["stage", "drift", "--out", str(out)]) == 0
     assert capsys.readouterr().err == err

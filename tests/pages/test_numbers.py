@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fogreduce.pages.numbers import apart, number, plus_minus, rounding
+from fogreduce.pages.numbers import apart, minus_signs, number, plus_minus, rounding, signed
 
 
 @pytest.mark.parametrize(
@@ -27,6 +27,18 @@ def test_rounding_is_no_number():
     assert [number(rounding(value, commanded)) for value in (3e-17, -7e-12, 0.0)] == ["0", "0", "0"]
     assert rounding(1e-9, commanded) == 1e-9
     assert rounding(None, commanded) is None
+
+
+def test_negative_numbers_in_words_have_a_minus_sign_and_names_keep_their_hyphens():
+    said = "x-one-turn 2014-05-12: rows from -0.5 to 3e-5 s (-10 deg/s)"
+    assert minus_signs(said) == "x-one-turn 2014-05-12: rows from \u22120.5 to 3e-5 s (\u221210 deg/s)"
+
+
+def test_what_is_above_nought_has_a_plus_where_a_sign_is_asked_for():
+    texts = [plus_minus(value, 0.5) for value in (1.2, -1.2, 0.0)] + [
+        "(\u22120.6 \u00b1 1.1) \u00b7 10\u207b\u2075"
+    ]
+    assert [signed(text)[:2] for text in texts] == ["+1", "\u22121", "0.", "(\u2212"]
 
 
 def test_a_value_and_its_error_end_at_the_same_digit():

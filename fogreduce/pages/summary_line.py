@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
+from fogreduce.pages.numbers import number, plus_minus, signed
+from fogreduce.pages.overview import real
 from fogreduce.stages.files import read_report
 from fogreduce.stages.read_table import Row
 from fogreduce.stages.read_tables import read_rows
@@ -31,14 +32,9 @@ def _drift(rows: list[Row]) -> Iterable[str]:
     whole = [row for row in rows if row["segment"] == "all"] or rows
     said = []
     for row in whole:
-        value = _number(row["drift_deg_h"])
-        if math.isnan(value):
-            said.append(f"{row['axis']} none")
-            continue
-        error = _number(row["drift_err_coloured_deg_h"])
-        if math.isnan(error):
-            error = _number(row["drift_err_deg_h"])
-        said.append(f"{row['axis']} {value:.4g} ± {error:.2g}")
+        errors = (real(row[f"drift_err_{of}deg_h"]) for of in ("coloured_", ""))
+        error = next((error for error in errors if error is not None), None)
+        said.append(f"{row['axis']} {plus_minus(real(row['drift_deg_h']), error) or 'none'}")
     if said:
         yield "drift [deg/h] " + ", ".join(said)
 
@@ -48,12 +44,6 @@ def _difference(rows: list[Row]) -> Iterable[str]:
     with_difference = [row for row in rows if row["difference_sigma"]]
     if with_difference:
         worst = max(with_difference, key=lambda row: abs(float(row["difference_sigma"])))
-        sigma = float(worst["difference_sigma"])
-        yield (
-            f"off the command by {float(worst['difference_deg_h']):+.3g} deg/h at most, "
-            f"{sigma:+.2g} sigma ({worst['axis']})"
-        )
-
-
-def _number(text: str) -> float:
-    return float(text) if text else math.nan
+        off = signed(number(float(worst["difference_deg_h"]), 3))
+        sigma = number(abs(float(worst["difference_sigma"])), 2)
+        yield f"off the command by {off} deg/h at most, {sigma} sigma ({worst['axis']})"

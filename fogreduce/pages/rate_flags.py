@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from fogreduce.pages.numbers import number, plus_minus, signed
 from fogreduce.stages.rates import OK
 
 Row = Mapping[str, str]
@@ -22,10 +23,11 @@ def flag_text(row: Row) -> str:
         return f"{place}: no rate: {row['looks_like']}"
     measured, commanded = float(row["measured_deg_s"]), float(row["commanded_deg_s"])
     off, error = float(row["difference_deg_h"]), float(row["difference_err_deg_h"])
-    sigma = float(row["difference_sigma"])
-    text = f"{place}: mean rate {measured:.6g} deg/s, commanded {commanded:.6g}"
-    text += f" ({off:+.4g} ± {error:.2g} deg/h, {sigma:+.3g} sigma)"
-    if row["sine_sigma"] and float(row["sine_sigma"]) > abs(sigma):
-        sine, far = float(row["sine_deg_h"]), float(row["sine_sigma"])
-        text += f"; Earth's rate leaves a sine of {sine:.3g} deg/h ({far:.3g} sigma)"
+    far = abs(float(row["difference_sigma"]))
+    text = f"{place}: mean rate {number(measured, 6)} deg/s, commanded {number(commanded, 6)}"
+    text += f" ({signed(plus_minus(off, error))} deg/h, {number(far, 3)} sigma)"
+    if row["sine_sigma"] and float(row["sine_sigma"]) > far:
+        sine, sine_error = float(row["sine_deg_h"]), float(row["sine_err_deg_h"])
+        text += f"; Earth's rate leaves a sine of {plus_minus(sine, sine_error)} deg/h"
+        text += f" ({number(float(row['sine_sigma']), 3)} sigma)"
     return f"{text}; looks like {row['looks_like']}" if row["looks_like"] else text
