@@ -16,7 +16,7 @@ KIND = 0.0075
 
 #: Given the kind, that it sits at one place alone; otherwise any number of places, by a beta-binomial law:
 #: what ages at one gyro ages at the others (IEEE Std 952 states repeatabilities for a type, not for a unit).
-ALONE = 0.5
+SINGLE = 0.5
 #: Shapes of that law: of effects of every run, and of those of a single run or pair of gyros, which are
 #: rarely at many places.
 EVERY_GYRO, SOME_PLACES = (2.0, 1.0), (1.0, 3.0)

@@ -239,16 +239,16 @@ def _of_block_means(
     white = noisy[-1].whiten(shapes)
     sums.departed = float(np.trace(noisy[-1].metric.gram(white, white)))
     for this, other in ((1, 0), (0, 1)):
-        held, fitted = noisy[this], noisy[other]
+        scored, fitted = noisy[this], noisy[other]
         mine: Sequence[Cause] = slow
         if not instant:
             args = (data.inputs, slow, fitted.whiten, nominal, fitted.metric, fitted.y)
             mine = refined(*args, rounds=3).causes
-        change = modelled_change(data.inputs, mine, held.whiten, nominal)
-        sums.folds.append(HeldOut(tuple(mine), held, measures[this], bare[this], plain[this]))
+        change = modelled_change(data.inputs, mine, scored.whiten, nominal)
+        sums.folds.append(HeldOut(tuple(mine), scored, measures[this], bare[this], plain[this]))
         # a random process does not change what is predicted but how far from it one may be
         sums.before.add_fold(plain[this], bare[this].y)
-        sums.after.add_fold(measures[this], held.y - change)
+        sums.after.add_fold(measures[this], scored.y - change)
         sums.expected += measures[this].expected
         wrong = _placebo(search, slow, bare[other], bare[this])
         if wrong is not None:
@@ -328,8 +328,8 @@ def _features(
         return np.column_stack([slopes, *places])
     # what no number scales, or not in proportion, slopes do not have
     changes = changes_of(search.data.inputs, slow, whiten.rows)
-    white, beside = whole.whiten(changes), whole.metric.with_free(whole.whiten(slopes))
-    slopes = np.column_stack([slopes, changes[:, np.diag(beside.gram(white, white)) > 1.0]])
+    white, metric = whole.whiten(changes), whole.metric.with_free(whole.whiten(slopes))
+    slopes = np.column_stack([slopes, changes[:, np.diag(metric.gram(white, white)) > 1.0]])
     change = modelled_change(search.data.inputs, slow, whole.whiten, search.problem.nominal)
     left = WhitenedResidual.of(whole.metric.with_free(whole.whiten(slopes)), whole.y - change)
     shown = [columns for columns in places if shows(left, whole.whiten(columns), 0.0)]
@@ -352,7 +352,7 @@ def _coloured(whiten: Whitener, white: Array) -> Array:
     return out
 
 
-def _placebo(search: Search, slow: Sequence[Cause], fitted: Part, held: Part) -> Array | None:
+def _placebo(search: Search, slow: Sequence[Cause], fitted: Part, scored: Part) -> Array | None:
     """What a wrong effect, fitted on one fold, changes on the other: the first linear one at another gyro."""
     seats = {name for c in slow for name in c.channels}
     for candidate in search.problem.candidates:
@@ -360,7 +360,7 @@ def _placebo(search: Search, slow: Sequence[Cause], fitted: Part, held: Part) ->
             whole = np.zeros((search.problem.whiten.rows.total, candidate.columns.shape[2]))
             whole[candidate.rows] = candidate.columns[:, 0, :]
             plain = _coloured(search.problem.whiten, whole)
-            here, there = fitted.whiten(plain), held.whiten(plain)
+            here, there = fitted.whiten(plain), scored.whiten(plain)
             size = np.linalg.lstsq(
                 fitted.metric.gram(here, here), fitted.metric.gram(here, fitted.y[:, None])[:, 0], rcond=None
             )[0]

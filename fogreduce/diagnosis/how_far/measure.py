@@ -112,22 +112,22 @@ def deviates(whole: Part, folds: Sequence[Part], columns: Array) -> list[Deviate
     features = [fold.whiten(columns) for fold in folds]
     if not columns.shape[1]:
         nothing = np.zeros((0, 0))
-        return [Deviates(f.metric, own, nothing, nothing) for f, own in zip(folds, features, strict=True)]
+        return [Deviates(f.metric, here, nothing, nothing) for f, here in zip(folds, features, strict=True)]
     white = whole.whiten(columns)
     gram = whole.metric.gram(white, white)
     size = np.sqrt(np.diag(gram) + 1e-300)
     values, vectors = np.linalg.eigh(gram / np.outer(size, size))
     some = values > _NONE * values[-1]
     basis = vectors[:, some] / (size[:, None] * np.sqrt(values[some]))
-    grams = [f.metric.gram(own, own) for f, own in zip(folds, features, strict=True)]
+    grams = [f.metric.gram(here, here) for f, here in zip(folds, features, strict=True)]
     both, turned = np.linalg.eigh(basis.T @ sum(grams) @ basis)
     basis = basis @ turned
     weight = 1.0 / np.sqrt(np.maximum(both, _UNKNOWN))
     out = []
-    for fold, own, one in zip(folds, features, grams, strict=True):
-        known, axes = np.linalg.eigh(basis.T @ one @ basis)
-        inverse = np.where(known > _UNKNOWN, 1.0 / np.maximum(known, _UNKNOWN), 0.0)
-        root = np.sqrt(np.maximum(known, 0.0))[:, None] * axes.T
+    for fold, here, one in zip(folds, features, grams, strict=True):
+        eigenvalues, axes = np.linalg.eigh(basis.T @ one @ basis)
+        inverse = np.where(eigenvalues > _UNKNOWN, 1.0 / np.maximum(eigenvalues, _UNKNOWN), 0.0)
+        root = np.sqrt(np.maximum(eigenvalues, 0.0))[:, None] * axes.T
         turn = (root * weight) @ (axes * inverse) @ axes.T @ basis.T
-        out.append(Deviates(fold.metric, own, turn, turn @ one @ turn.T))
+        out.append(Deviates(fold.metric, here, turn, turn @ one @ turn.T))
     return out

@@ -121,8 +121,8 @@ def _places(
     if not exact or {p.channels for p in found} & seats:
         return found
     # what a gyro's cause leaves looks like a motion of all where few of them are at work
-    own = Candidates([f for f in state.problem.families if f.channels in seats])
-    return [*places(residual, own, [], lambda _: [], run_ids, doubt, _LEAST), *found]
+    of_seats = Candidates([f for f in state.problem.families if f.channels in seats])
+    return [*places(residual, of_seats, [], lambda _: [], run_ids, doubt, _LEAST), *found]
 
 
 def _implied(state: State, channels: Sequence[str]) -> float:

@@ -68,8 +68,8 @@ def without_imitations(search: Search, verdict: Verdict) -> Verdict:
 
 def _sizes(cause: Cause) -> float:
     """The largest of a cause's sizes in standard deviations."""
-    own = [abs(v) / max(cause.std[k], 1e-300) for k, v in cause.theta.items() if k not in SHAPES]
-    return max(own, default=np.inf)
+    sizes = [abs(v) / max(cause.std[k], 1e-300) for k, v in cause.theta.items() if k not in SHAPES]
+    return max(sizes, default=np.inf)
 
 
 def departed(search: Search, state: State) -> list[Place]:

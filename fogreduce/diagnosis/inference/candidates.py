@@ -29,8 +29,8 @@ class Candidates:
         together: dict[tuple[object, ...], list[int]] = {}
         for at, c in enumerate(self.candidates):
             _, points, k = c.columns.shape
-            alone = points > 1 or c.fixed or c.positive
-            key = (at,) if alone else ("rows", c.rows.start, c.rows.stop, k)
+            is_single = points > 1 or c.fixed or c.positive
+            key = (at,) if is_single else ("rows", c.rows.start, c.rows.stop, k)
             together.setdefault(key, []).append(at)
         self._groups = [(self._joined(members), members) for members in together.values()]
 

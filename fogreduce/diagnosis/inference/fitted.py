@@ -81,11 +81,11 @@ def refined(
     causes = tuple(
         replace(c, std={**c.std, "time_s": instants[c.key]}) if c.key in instants else c for c in causes
     )
-    held = [
+    with_widths = [
         _widened(gap, causes, k) if "tau_s" in c.theta else _between_samples(gap, causes, k)
         for k, c in enumerate(causes)
     ]
-    model = replace(model, causes=tuple(held))
+    model = replace(model, causes=tuple(with_widths))
     for k, c in enumerate(model.causes):
         design = EFFECTS[c.effect].design
         if design is not None and design.exact == "reading":
@@ -130,10 +130,10 @@ def _at_instants(gap: _Gap, model: Model) -> list[Cause]:
     for k, cause in enumerate(model.causes):
         if not cause.slow:
             continue
-        own = np.arange(column, column + len(cause.theta))
+        its_columns = np.arange(column, column + len(cause.theta))
         column += len(cause.theta)
         if "time_s" in cause.theta:
-            others = np.delete(model.slopes, own, axis=1)
+            others = np.delete(model.slopes, its_columns, axis=1)
             rest = [*out[:k], *out[k + 1 :]]
             left = gap.y - gap.change(rest)
             out[k] = timed(gap.inputs, cause, gap.whiten, gap.metric.with_free(others), left)
@@ -206,22 +206,22 @@ def _widened(gap: _Gap, causes: Sequence[Cause], which: int) -> Cause:
     has.
     """
     cause = causes[which]
-    own, tau = cause.theta["deg_h"], cause.theta["tau_s"]
+    amplitude, tau = cause.theta["deg_h"], cause.theta["tau_s"]
     values, logs = [], []
     for factor in _WIDE.tolist():
-        moved = replace(cause, theta={"deg_h": own, "tau_s": _within(cause, "tau_s", tau * factor)})
+        moved = replace(cause, theta={"deg_h": amplitude, "tau_s": _within(cause, "tau_s", tau * factor)})
         change = gap.change([*causes[:which], moved, *causes[which + 1 :]])
         without = gap.change([*causes[:which], *causes[which + 1 :]])
         column, left = (change - without)[:, None], (gap.y - without)[:, None]
         gram = max(float(gap.metric.gram(column, column)[0, 0]), 1e-12)
         size = float(gap.metric.gram(column, left)[0, 0]) / gram
-        values.append((size * own, moved.theta["tau_s"], own**2 / gram))
+        values.append((size * amplitude, moved.theta["tau_s"], amplitude**2 / gram))
         logs.append(0.5 * size**2 * gram)
     weight = np.exp(np.array(logs) - max(logs))
     weight /= weight.sum()
     a, t, variance = np.array(values).T
     wide = {
-        "deg_h": float(np.sqrt(weight @ ((a - own) ** 2 + variance))),
+        "deg_h": float(np.sqrt(weight @ ((a - amplitude) ** 2 + variance))),
         "tau_s": float(np.sqrt(weight @ (t - tau) ** 2)),
     }
     return replace(cause, std={name: max(cause.std[name], wide[name]) for name in cause.std})
@@ -304,11 +304,11 @@ def _with_spread(causes: Sequence[Cause], spread: Array) -> tuple[Cause, ...]:
     out, k = [], 0
     for cause in causes:
         if cause.slow:
-            own = spread[k : k + len(cause.theta), k : k + len(cause.theta)]
-            std = dict(zip(cause.theta, np.sqrt(np.maximum(np.diag(own), 0.0)).tolist(), strict=True))
+            covariance = spread[k : k + len(cause.theta), k : k + len(cause.theta)]
+            std = dict(zip(cause.theta, np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist(), strict=True))
             if "volts" in std:
                 std["volts"] = float(np.hypot(std["volts"], _EDGE * cause.theta["volts"]))
-            out.append(replace(cause, std=std, spread=own))
+            out.append(replace(cause, std=std, spread=covariance))
             k += len(cause.theta)
         else:
             out.append(cause)

@@ -3,7 +3,7 @@
 A kind is there with a small probability. Given it, either one place has it, or any number n of the m places,
 by a beta-binomial law; places are alike, so that each set of n of them has an equal part:
 
-    p(n of m) = KIND [ALONE (n = 1) / m + (1 - ALONE) BB(n; m, a, b) / (1 - BB(0)) / C(m, n)].
+    p(n of m) = KIND [SINGLE (n = 1) / m + (1 - SINGLE) BB(n; m, a, b) / (1 - BB(0)) / C(m, n)].
 
 What a calibration record states (biases, scale factors, axes) goes stale together, at most gyros: with a
 probability of its own the record is stale, and then its kinds are each likely.
@@ -54,8 +54,8 @@ def log_places(kind: Kind, n: int) -> float:
     if n == 0:
         return log1p(-there)
     law = priors.EVERY_GYRO if kind.every else priors.SOME_PLACES
-    alone = priors.ALONE / m if n == 1 else 0.0
-    return log(there) + log(alone + (1.0 - priors.ALONE) * exp(_log_share(n, m, law)))
+    single = priors.SINGLE / m if n == 1 else 0.0
+    return log(there) + log(single + (1.0 - priors.SINGLE) * exp(_log_share(n, m, law)))
 
 
 @lru_cache(maxsize=4096)

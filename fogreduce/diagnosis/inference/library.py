@@ -123,8 +123,10 @@ class Library:
             if fit.log_b <= 0.0 or (number, fit.best) in self._taken:
                 continue
             # neighbours of the best point do nearly as well: their part of the grid is the point's weight
-            own = residual.fit(at_point(c, fit.best)).log_b
-            self._add(number, c, fit.best, float(np.clip(fit.log_b - own, -np.log(c.columns.shape[1]), 0.0)))
+            there = residual.fit(at_point(c, fit.best)).log_b
+            self._add(
+                number, c, fit.best, float(np.clip(fit.log_b - there, -np.log(c.columns.shape[1]), 0.0))
+            )
             new = True
         return new
 

@@ -99,11 +99,11 @@ class Whitener:
 
     def coarser(self, times: Mapping[int, float]) -> Whitener:
         """The same with the noise of some gyros so many times as large."""
-        known: dict[tuple[int, int], Array] = {}
+        scaled: dict[tuple[int, int], Array] = {}
         out = {}
         for at, matrix in self.filters.items():
             gyro = at[0]
-            out[at] = known.setdefault((gyro, id(matrix)), matrix / times[gyro] if gyro in times else matrix)
+            out[at] = scaled.setdefault((gyro, id(matrix)), matrix / times[gyro] if gyro in times else matrix)
         return Whitener(self.rows, out)
 
     @cached_property
@@ -183,7 +183,7 @@ def whitener(
     sizes: Sequence[Array],
     level: Array,
     further: Mapping[tuple[str, int], float] | None = None,
-    known: dict[tuple[object, ...], Array] | None = None,
+    made: dict[tuple[object, ...], Array] | None = None,
 ) -> Whitener:
     """Filters for every gyro and run.
 
@@ -196,13 +196,13 @@ def whitener(
         White noise as found over that of the record, of each gyro or of each in each run.
     further : mapping
         (kind, gyro) -> size of a further process; ``gain`` before its kind: it goes with the reading.
-    known : dict
+    made : dict
         Filters made before for the same runs and level, to which new ones are added.
     """
     noise, stated = inputs[0].record.stated_noise, inputs[0].record.stated_uncertainty
     n = inputs[0].facts.n_gyros
     filters: dict[tuple[int, int], Array] = {}
-    known = {} if known is None else known
+    made = {} if made is None else made
     level = np.broadcast_to(level, (len(inputs), n))
     gains = {at for kind, at in further or {} if kind.startswith("gain ")}
     readings = relative([one.scene.block_means() for one in inputs]) if gains else []
@@ -219,7 +219,7 @@ def whitener(
             key = (*key, *sorted((kind, size) for (kind, at), size in (further or {}).items() if at == i))
             if i in gains:
                 key = (*key, readings[r][i].tobytes())
-            if key not in known:
+            if key not in made:
                 terms = (
                     noise.angle_random_walk_deg_sqrt_h[i] * float(level[r, i]),
                     noise.bias_instability_deg_h[i],
@@ -234,8 +234,8 @@ def whitener(
                         covariance += (
                             more * np.outer(*[readings[r][i]] * 2) if kind.startswith("gain ") else more
                         )
-                known[key] = np.linalg.inv(np.linalg.cholesky(covariance))
-            filters[i, r] = known[key]
+                made[key] = np.linalg.inv(np.linalg.cholesky(covariance))
+            filters[i, r] = made[key]
     return Whitener(Rows(tuple(one.scene.blocks.count for one in inputs), n), filters)
 
 
@@ -342,8 +342,8 @@ class Metric:
         many residuals.
         """
         if self.parent is not None:
-            own = self.a[rows, self.parent.a.shape[1] :].T @ columns
-            return np.vstack([self.parent.onto(columns, rows), own])
+            added = self.a[rows, self.parent.a.shape[1] :].T @ columns
+            return np.vstack([self.parent.onto(columns, rows), added])
         if id(columns) not in self._products:
             self._products[id(columns)] = (columns, self.a[rows].T @ columns)
         return self._products[id(columns)][1]

@@ -102,8 +102,8 @@ def beyond(fit: Fit) -> bool:
     return any(not limits[k][0] <= v <= limits[k][1] for k, v in values.items() if k in limits)
 
 
-def log_prior_of(known: bool, share: float) -> float:
+def log_prior_of(catalogued: bool, share: float) -> float:
     """Ln prior of an effect, or of something unknown, at a place that has a share of its name."""
-    if known:
+    if catalogued:
         return float(np.log(share / priors.NAMES))
     return float(priors.LOG_UNKNOWN + np.log(share / priors.FAMILIES))

@@ -92,13 +92,13 @@ def in_its_place(search: Search, state: State, k: int, most: int) -> Named:
     chances = sorted(
         ((o, float(np.exp(o.score - total))) for o in options if o.catalogued), key=lambda x: -x[1]
     )
-    own = next(((o, p) for o, p in chances if o.key == key), None)
-    if own is None:
+    chosen = next(((o, p) for o, p in chances if o.key == key), None)
+    if chosen is None:
         return Named(k, 0.5, 0.5, ())
-    best = max(chances[0][0].score, own[0].score)
+    best = max(chances[0][0].score, chosen[0].score)
     rivals = _once([(o, p) for o, p in chances if o.score > best - priors.RIVAL])[:most]
-    if all(o.key[:3] != own[0].key[:3] for o, _ in rivals):
-        rivals = [*rivals[: most - 1], own]
+    if all(o.key[:3] != chosen[0].key[:3] for o, _ in rivals):
+        rivals = [*rivals[: most - 1], chosen]
     return Named(k, rivals[0][1], min(sum(p for _, p in rivals), 1.0), tuple(rivals))
 
 

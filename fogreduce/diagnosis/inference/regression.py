@@ -226,8 +226,8 @@ def worths(regression: Regression, members: Sequence[Member], fit: Fitted) -> li
         variance = option.variances[member.scale]
         _, size = np.linalg.slogdet(covariance)
         along = float(mean @ np.linalg.solve(covariance, mean))
-        own = option.log_weight + float(option.log_scales[member.scale]) + member.spread
-        out.append(own + 0.5 * (along + float(size) - float(np.sum(np.log(variance)))))
+        log_evidence = option.log_weight + float(option.log_scales[member.scale]) + member.spread
+        out.append(log_evidence + 0.5 * (along + float(size) - float(np.sum(np.log(variance)))))
     return out
 
 

@@ -64,8 +64,8 @@ class Search:
         slow = [c for c in base if c.slow]
         actions = [c.action(data.run_ids, data.n) for c in slow]
         full_rate = self._full_rate_with(actions)
-        known = self._filters.setdefault(full_rate.level.tobytes(), {})
-        whiten = whitener(data.inputs, data.sizes, full_rate.level, processes_of(base), known)
+        filters = self._filters.setdefault(full_rate.level.tobytes(), {})
+        whiten = whitener(data.inputs, data.sizes, full_rate.level, processes_of(base), filters)
         if coarser:
             whiten = whiten.coarser(coarser)
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])

@@ -268,8 +268,8 @@ def _about(search: Search, state: State, first: Sequence[Fit], unclosed: Sequenc
 
 def _entries_of(sets: SetSearch, causes: Sequence[Cause]) -> list[int]:
     """The entries that causes have in a regression."""
-    known = {one.key: entry for entry, one in enumerate(sets.regression.entries)}
-    return [known[c.key] for c in causes if c.key in known]
+    entries = {one.key: entry for entry, one in enumerate(sets.regression.entries)}
+    return [entries[c.key] for c in causes if c.key in entries]
 
 
 def _searched(about: _About) -> tuple[SetSearch, CauseSet]:

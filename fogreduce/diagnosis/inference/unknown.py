@@ -91,15 +91,15 @@ def _in_place_of(search: Search, posterior: SlowPosterior, processes: Sequence[C
     """
     channels, gone = processes[0].channels, frozenset(c.key for c in processes)
     causes = [c for c in posterior.state.causes if c.key not in gone]
-    own, odds = -priors.LOG_FURTHER, -np.inf
+    named, odds = -priors.LOG_FURTHER, -np.inf
     for process in processes:
         state = search.state(causes, search.problem_with([c for c in causes if c.process]), refine=False)
         here = [o for o in search.options(state) if o.source.channels == channels]
         if process is processes[0]:
             odds = _odds(here).get(channels, -np.inf) - priors.LOG_FURTHER
-        own += priors.LOG_FURTHER + max((o.score for o in here if o.key == process.key), default=-np.inf)
+        named += priors.LOG_FURTHER + max((o.score for o in here if o.key == process.key), default=-np.inf)
         causes.append(process)
-    return Unknown(channels, _probability(odds - own), gone)
+    return Unknown(channels, _probability(odds - named), gone)
 
 
 def _families(

@@ -91,15 +91,15 @@ def _named(
     """Every cause with its probability and group."""
     causes = posterior.state.causes
     odds = {c.key: score for c, score in zip(full_rate.causes, full_rate.scores, strict=True)}
-    known = {
+    by_key = {
         posterior.sets.regression.entries[i.entry].key: i for i in inclusions(posterior.sets, posterior.best)
     }
     most = _MOST_ONE if len(search.data.inputs) == 1 else _MOST_MANY
     out = []
     for index, cause in enumerate(causes):
-        if cause.key in known:
-            walks = _processes_instead(search, posterior, known[cause.key].entry)
-            out.append(_of_sets(posterior, known[cause.key], walks, index, most))
+        if cause.key in by_key:
+            walks = _processes_instead(search, posterior, by_key[cause.key].entry)
+            out.append(_of_sets(posterior, by_key[cause.key], walks, index, most))
             continue
         if cause.finding is None or cause.process:
             out.append(in_its_place(search, posterior.state, index, most))
@@ -134,9 +134,9 @@ def _of_sets(
 ) -> Named:
     """A cause in block means: its rivals are what replaces it in other sets, and processes in its stead."""
     whole = 1.0 + one.probability * sum(odds for _, odds in walks)
-    own = one.probability / whole
-    group = [(_option(posterior.fit(one.entry)), own)]
-    group += [(option, own * odds) for option, odds in walks]
+    chance_of_one = one.probability / whole
+    group = [(_option(posterior.fit(one.entry)), chance_of_one)]
+    group += [(option, chance_of_one * odds) for option, odds in walks]
     less = posterior.sets.without(posterior.best, [one.entry])
     more = additions(posterior.sets.regression, less.fit)
     for entry, chance in one.rivals:

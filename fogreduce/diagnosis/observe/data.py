@@ -20,7 +20,7 @@ from fogreduce.diagnosis.observe.capture import (
 )
 from fogreduce.diagnosis.observe.constant import Constant, constant_gyros, without_dead
 from fogreduce.diagnosis.observe.full_rate import PIECE, FullRate, full_rate, straightened
-from fogreduce.diagnosis.observe.run_noise import own_levels, with_white_noise
+from fogreduce.diagnosis.observe.run_noise import run_levels, with_white_noise
 from fogreduce.diagnosis.which.full_rate.converter import Codes, codes
 from fogreduce.diagnosis.which.full_rate.line import Line
 from fogreduce.diagnosis.which.full_rate.lines import without_lines
@@ -64,7 +64,7 @@ class Data:
         Of each gyro in each run.
     record : CalibrationRecord
         As it stands in its file.
-    own_noise : (R, n) array
+    run_level : (R, n) array
         White noise of a run over that of the gyro's other runs.
     found_white : (n,) array or None
         White noise as the captures show it, where the record states none.
@@ -83,7 +83,7 @@ class Data:
     rails: dict[int, float]
     codes: list[list[Codes | None]]
     record: CalibrationRecord
-    own_noise: Array
+    run_level: Array
     found_white: Array | None = None
     constant: tuple[Constant, ...] = ()
 
@@ -122,7 +122,7 @@ class Data:
             lines=tuple(one for one in found if one is not None),
             of_lines=self.of_lines[which],
             codes=self.codes[which],
-            own_noise=self.own_noise[which],
+            run_level=self.run_level[which],
         )
 
     def with_parts(self, keep: Sequence[NDArray[np.bool_]]) -> Data:
@@ -214,7 +214,7 @@ def read_data(
         _rails(captures, full, inputs, constant),
         cells,
         record,
-        own_levels(full, inputs, stated, bits.astype(float)),
+        run_levels(full, inputs, stated, bits.astype(float)),
         found_white,
         constant,
     )

@@ -86,7 +86,7 @@ def _middle(values: Array, weight: Array, otherwise: float) -> float:
     return float(values[there][order][np.searchsorted(share, 0.5 * share[-1])])
 
 
-def own_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Array, bits: Array) -> Array:
+def run_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Array, bits: Array) -> Array:
     """Noise of each gyro in each run over that of its other runs, (R, n): 1 where they are alike.
 
     Of a gyro's runs, the one in the middle is the measure, the record's own level counted as one more run.
@@ -114,7 +114,7 @@ def own_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Arr
             levels[which, i] = np.exp(0.5 * _compared(power, pieces))
             # of a median, pi / 2 times the variance of a mean; a level is half its power's logarithm
             error[which, i] = np.sqrt(0.5 * np.pi / (4.0 * pieces * lines))
-    own = np.ones(levels.shape)
+    ratio = np.ones(levels.shape)
     for i in range(n):
         seen = np.flatnonzero(np.isfinite(error[:, i]) & (levels[:, i] > 0.0))
         if seen.size < 2:
@@ -124,8 +124,8 @@ def own_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Arr
         apart = logs - logs[usual]
         chance = np.hypot(error[seen, i], error[seen[usual], i])
         other = (np.abs(apart) > _APART) & (np.abs(apart) > _BEYOND_CHANCE * chance)
-        own[seen[other], i] = np.exp(apart[other])
-    return own
+        ratio[seen[other], i] = np.exp(apart[other])
+    return ratio
 
 
 def _compared(power: Array, pieces: NDArray[np.int64]) -> Array:
@@ -140,15 +140,19 @@ def _compared(power: Array, pieces: NDArray[np.int64]) -> Array:
     return result
 
 
-def own_level_findings(
-    runs: Sequence[FullRate], inputs: Sequence[RunInput], own: Array, stated: Array, allowed: frozenset[str]
+def run_level_findings(
+    runs: Sequence[FullRate],
+    inputs: Sequence[RunInput],
+    ratio: Array,
+    stated: Array,
+    allowed: frozenset[str],
 ) -> Iterator[Finding]:
     """White noise of another level in some runs alone."""
     effect = "angle_random_walk" if "angle_random_walk" in allowed else "unknown"
-    for r, i in np.argwhere(own != 1.0).tolist():
+    for r, i in np.argwhere(ratio != 1.0).tolist():
         run, facts = runs[r], inputs[r].facts
         weight = float(run.pieces * run.power.shape[1])
-        log_b, snr2 = level_evidence(float(own[r, i]) ** 2, weight)
+        log_b, snr2 = level_evidence(float(ratio[r, i]) ** 2, weight)
         rounding = float(rounding_variance(facts, np.zeros(facts.n_gyros))[i])
         unit = float(white_sigma(1.0, facts.sample_rate_hz)) * SECONDS_PER_HOUR
         whole = float(np.median(run.power[i])) / (1.0 - 1.0 / (3.0 * run.pieces))
@@ -162,7 +166,7 @@ def own_level_findings(
             log_b,
             snr2,
             given,
-            1.0 / own.size,
+            1.0 / ratio.size,
             f"level of {run.run_id}",
             "noise",
             "white",

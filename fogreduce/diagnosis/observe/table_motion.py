@@ -45,8 +45,8 @@ class TableMotion:
 
     def error_rates(self, time_s: Array) -> Array:
         """Rates (k, N) [deg/s] at times [s], one standard deviation each, by which the log may be off."""
-        known = self.departure
-        return np.array([Departure(known.time_s, row).rate_at(time_s) for row in self.errors_rad])
+        departure = self.departure
+        return np.array([Departure(departure.time_s, row).rate_at(time_s) for row in self.errors_rad])
 
 
 def table_motion(log: TableLog, profile: Profile) -> TableMotion | None:

@@ -87,8 +87,8 @@ def page(
 
 def links_back(d: Mapping[str, Any]) -> str:
     """Back to the pages of the campaign, in whose results this page stands."""
-    own = f'<a href="../index.html">{escape(d["campaign"])}</a>'
-    return f'<nav><a href="../../index.html">campaigns</a> / {own}</nav>'
+    campaign_link = f'<a href="../index.html">{escape(d["campaign"])}</a>'
+    return f'<nav><a href="../../index.html">campaigns</a> / {campaign_link}</nav>'
 
 
 def runs_named(d: Mapping[str, Any], in_results: bool) -> str:

@@ -80,13 +80,13 @@ def places(
         others = [p for p in kept if p.channels != place.channels]
         if others:
             columns = np.column_stack([_freed(p, families, len(residual.y), len(run_ids)) for p in others])
-            beside = WhitenedResidual.of(residual.metric.with_free(columns), residual.y)
+            remaining = WhitenedResidual.of(residual.metric.with_free(columns), residual.y)
             if place.family is not None:
-                q = max(np.sqrt(max(beside.fit(place.family).q, 0.0)) - doubt(place.channels), 0.0) ** 2
+                q = max(np.sqrt(max(remaining.fit(place.family).q, 0.0)) - doubt(place.channels), 0.0) ** 2
                 if q < place.q:
                     place = replace(place, q=q, sigma=significance(q, place.degrees, place.trials))
             else:
-                again = _best((_place(f, run_ids, doubt(f.channels)) for f in processes(beside)), least)
+                again = _best((_place(f, run_ids, doubt(f.channels)) for f in processes(remaining)), least)
                 place = next((p for p in again if p.channels == place.channels), replace(place, sigma=0.0))
         if place.sigma >= least:
             kept.append(place)

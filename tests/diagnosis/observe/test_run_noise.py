@@ -21,7 +21,7 @@ def test_runs_of_one_filter_are_alike(tmp_path: Path, ms: float, seed: int) -> N
     """In these the median line of one run is 10 to 16 % off the others' in level: a steep spectrum's."""
     lab(tmp_path, rate_hz=100.0, duration_s=60.0)
     campaign = simulated(tmp_path, filtered(ms), seed=seed)
-    np.testing.assert_array_equal(read_data(campaign, tmp_path / "cal").own_noise, 1.0)
+    np.testing.assert_array_equal(read_data(campaign, tmp_path / "cal").run_level, 1.0)
 
 
 def test_a_run_noisier_than_the_others_stands_out_beside_a_filter(tmp_path: Path) -> None:
@@ -34,6 +34,6 @@ def test_a_run_noisier_than_the_others_stands_out_beside_a_filter(tmp_path: Path
         "parameters": {"deg_sqrt_h": 1.5 * stated},
     }
     campaign = simulated(tmp_path, [*filtered(100.0), louder])
-    own = read_data(campaign, tmp_path / "cal").own_noise
+    own = read_data(campaign, tmp_path / "cal").run_level
     assert np.argwhere(own != 1.0).tolist() == [[3, 1]]
     assert own[3, 1] == pytest.approx(1.5, rel=0.06)

@@ -116,10 +116,10 @@ def stamp_findings(runs: Mapping[str, Stamps], allowed: frozenset[str]) -> Itera
                 "unknown", ("clock",), (name,), _CERTAIN, 2.0 * _CERTAIN, {}, 1.0, f"stamps of {name}",
                 "link", "time_stamps",
             )  # fmt: skip
-    known = {name: one for name, one in runs.items() if np.isfinite(one.ppm_std)}
-    if not known:
+    with_rate = {name: one for name, one in runs.items() if np.isfinite(one.ppm_std)}
+    if not with_rate:
         return
-    each = list(known.values())
+    each = list(with_rate.values())
     ppm, log_b, snr2 = clock_evidence(each)
     # stamped t / (1 + e): shows -e / (1 + e)
     error = -ppm * 1e-6 / (1.0 + ppm * 1e-6) * 1e6
@@ -133,7 +133,7 @@ def stamp_findings(runs: Mapping[str, Stamps], allowed: frozenset[str]) -> Itera
     left = max(spread * (len(each) > 1) + bend - 50.0 * len(each), 0.0)
     log_left = 0.5 * left - 0.5 * len(each) * np.log1p(left) - 3.0
     yield Finding(
-        "unknown", ("clock",), tuple(known), log_left, left, {}, 1.0, "stamps", "link", "time_stamps"
+        "unknown", ("clock",), tuple(with_rate), log_left, left, {}, 1.0, "stamps", "link", "time_stamps"
     )
 
 

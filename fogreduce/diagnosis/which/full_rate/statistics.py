@@ -12,7 +12,7 @@ from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.observe.constant import dead_findings
 from fogreduce.diagnosis.observe.data import Data
-from fogreduce.diagnosis.observe.run_noise import own_level_findings
+from fogreduce.diagnosis.observe.run_noise import run_level_findings
 from fogreduce.diagnosis.which.full_rate.converter import converter_findings
 from fogreduce.diagnosis.which.full_rate.correlation import correlation_findings
 from fogreduce.diagnosis.which.full_rate.line import Line
@@ -49,15 +49,15 @@ class FullRateStatistics:
             *stamp_findings({run.run_id: run.stamps for run in data.full}, allowed),
             *converter_findings(data.codes, n, allowed, self._step()),
             *dead_findings(data.constant, len(data.inputs), n),
-            *own_level_findings(data.full, data.inputs, data.own_noise, data.stated_white, allowed),
+            *run_level_findings(data.full, data.inputs, data.run_level, data.stated_white, allowed),
         ]
         bits, colour = data.bits.astype(float), self._colour()
-        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, colour, data.own_noise)
+        plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, colour, data.run_level)
         whole = np.ones(n) if plain is None else np.sqrt(np.median(plain.ratio, axis=1))
-        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3) * self._rounding() * data.own_noise
+        self.whole = np.clip(np.where(whole > 0, whole, 1.0), 0.05, 1e3) * self._rounding() * data.run_level
         self.lines = [_line_finding(line, allowed) for line in data.lines]
         spoiled = [[line.hz for line in data.lines if line.taken]] * n
-        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, colour, data.own_noise)
+        self.levels = levels(data.full, self.facts, data.stated_white, spoiled, bits, colour, data.run_level)
         self.repeat_shape = [self._shape_of_repeats(i) for i in range(n)]
         self.level = self._low_level()
         self._cache: dict[object, list[Finding]] = {}
@@ -95,7 +95,7 @@ class FullRateStatistics:
                 out[i] = float(np.sqrt(max(white, 1e-4)))
             if best is not None and best.effect == "low_pass" and best.log_b > 3.0:
                 out[i] = 1.0
-        return np.clip(out, 0.2, 1e3) * self._rounding() * self.data.own_noise
+        return np.clip(out, 0.2, 1e3) * self._rounding() * self.data.run_level
 
     def _shape_of_repeats(self, i: int) -> Array:
         """Shape of the spectrum of white noise whose samples repeat with the share found: q^|k|

@@ -87,20 +87,20 @@ class Processes:
             name = (gyro_name(i),)
             for effect, (kind, parameter) in DRIFTS.items():
                 log_b, gain, value, std = self._weighed(left, i, kind)
-                known = effect in allowed
+                catalogued = effect in allowed
                 yield Finding(
-                    effect if known else "unknown",
+                    effect if catalogued else "unknown",
                     name,
                     ("*",),
                     log_b,
                     2.0 * gain,
-                    {parameter: (value, std)} if known else {},
+                    {parameter: (value, std)} if catalogued else {},
                     1.0 / n,
                     "process",
-                    "noise" if known else "gyro",
+                    "noise" if catalogued else "gyro",
                     "low_frequency",
                     8,
-                    (kind, value) if known else None,
+                    (kind, value) if catalogued else None,
                 )
             if not self._warm:
                 yield from self._unlogged(residual, left, i, allowed)
@@ -129,17 +129,17 @@ class Processes:
         begins at nothing, its rate does not.
         """
         name, share = (gyro_name(i),), 1.0 / self.whiten.rows.n
-        held: dict[str, tuple[float, float, float, str]] = {}
+        by_effect: dict[str, tuple[float, float, float, str]] = {}
         for effect, kind in UNLOGGED.items():
             if kind.startswith("gain") and not self._turns:
                 continue
             found = [(*self._weighed(left, i, f"{kind} {hold}")[:3], f"{kind} {hold}") for hold in HOLDS_S]
             _, gain, size, best = max(found, key=lambda one: one[0])
-            held[effect] = float(log_mean_exp(np.array([one[0] for one in found]))), gain, size, best
-        total = float(np.logaddexp.reduce([one[0] for one in held.values()]))
+            by_effect[effect] = float(log_mean_exp(np.array([one[0] for one in found]))), gain, size, best
+        total = float(np.logaddexp.reduce([one[0] for one in by_effect.values()]))
         # less than no evidence at all makes none of them a rival of anything: then theirs stay as they are
-        shares = self._shares(residual, i, list(held)) if total > 0.0 else {}
-        for effect, (log_b, gain, size, best) in held.items():
+        shares = self._shares(residual, i, list(by_effect)) if total > 0.0 else {}
+        for effect, (log_b, gain, size, best) in by_effect.items():
             if shares:
                 log_b = total + shares[effect]
             if effect not in allowed:

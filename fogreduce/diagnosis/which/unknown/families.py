@@ -113,13 +113,13 @@ def _of_gyros(
         for r, one in enumerate(inputs):
             run = (one.facts.run_id,)
             part = rows.of(i, r)
-            own = share / runs * lessened("turn_on_bias", allowed)
-            yield family(name, part, of_one_run(r, each[r])[:, None, :], "mean", "gyro", run, own)
+            prior_share = share / runs * lessened("turn_on_bias", allowed)
+            yield family(name, part, of_one_run(r, each[r])[:, None, :], "mean", "gyro", run, prior_share)
             slow = of_one_run(r, modes(rows.counts[r], 1, _MODES))[:, None, :]
             yield family(name, part, slow, "low_frequency", "gyro", run, share / runs)
-            own = share / runs * lessened("bias_step", allowed)
+            prior_share = share / runs * lessened("bias_step", allowed)
             if rows.counts[r] > 2:
-                yield family(name, part, stepped(i, r), "step", "gyro", run, own)
+                yield family(name, part, stepped(i, r), "step", "gyro", run, prior_share)
         trend = [modes(c, 1, _TREND) for c in rows.counts]
         yield family(name, here, white(trend)[:, None, :], "drift", "gyro", share=share)
         ramp = share * lessened("bias_ramp", allowed)
@@ -133,8 +133,8 @@ def _of_gyros(
         reading = [p[i] / SECONDS_PER_HOUR / 10.0 for p in plain]
         if len(plain[0]) >= 3:
             # an axis of any direction and length
-            own = share * lessened("axis_misalignment", allowed)
-            yield family(name, here, white(motion)[:, None, :], "rate", "gyro", share=own)
+            prior_share = share * lessened("axis_misalignment", allowed)
+            yield family(name, here, white(motion)[:, None, :], "rate", "gyro", share=prior_share)
         drifting = white([t * m[:, None] for t, m in zip(trend, reading, strict=True)])
         yield family(name, here, drifting[:, None, :], "drift", "gyro", share=0.5 * share)
         if bumps := _bumps(reading):
@@ -164,8 +164,8 @@ def _of_gyros(
             for k in range(4):
                 hot = [_heat(one, m)[:, [k]] for one, m in zip(inputs, reading, strict=True)]
                 if any(np.any(h) for h in hot):
-                    own = share * lessened(_HEATS[k], allowed)
-                    yield family(name, here, white(hot)[:, None, :], "temperature", "gyro", share=own)
+                    prior_share = share * lessened(_HEATS[k], allowed)
+                    yield family(name, here, white(hot)[:, None, :], "temperature", "gyro", share=prior_share)
 
 
 def _exchanges(

@@ -37,16 +37,16 @@ def of_table(inputs: Sequence[RunInput], whiten: Whitener, allowed: frozenset[st
         one.scene.blocks.means(one.facts.profile.rate_at(one.scene.blocks.time_s))[:, None] for one in inputs
     ]
     if any(np.any(r) for r in rates):
-        own = lessened("table_rate_error", allowed)
-        yield family(table, everything, rotation(rates, axes)[:, None, :], "rate", "table", share=own)
+        prior_share = lessened("table_rate_error", allowed)
+        yield family(table, everything, rotation(rates, axes)[:, None, :], "rate", "table", share=prior_share)
         # what happens where the rate jumps, and just after
         edges = rotation([_edges(one) for one in inputs], axes)
-        own = lessened("start_offset", allowed)
-        yield family(table, everything, edges[:, None, :], "rate", "table", share=own)
+        prior_share = lessened("start_offset", allowed)
+        yield family(table, everything, edges[:, None, :], "rate", "table", share=prior_share)
         # a table's axis that is tipped, the same way in every run
         tips = [rotation(rates, [np.cross(np.eye(3)[k], axis) for axis in axes]) for k in range(3)]
-        own = lessened("mount_rotation", allowed)
-        yield family(table, everything, np.column_stack(tips)[:, None, :], "rate", "table", share=own)
+        prior_share = lessened("mount_rotation", allowed)
+        yield family(table, everything, np.column_stack(tips)[:, None, :], "rate", "table", share=prior_share)
         waves = [
             waves_of_angle(one, bool(np.any(one.facts.profile.rate_deg_s != 0.0))) * np.sign(r.sum() or 1.0)
             for one, r in zip(inputs, rates, strict=True)
@@ -71,8 +71,8 @@ def of_table(inputs: Sequence[RunInput], whiten: Whitener, allowed: frozenset[st
     )
     yield family(table, everything, steady[:, None, :], "mean", "table")
     fixed = np.column_stack([_fixed_in_room(inputs, np.eye(3)[k], rows.n) for k in range(3)])
-    own = 0.5 * (lessened("latitude_error", allowed) + lessened("heading_error", allowed))
-    yield family(table, everything, whiten(fixed)[:, None, :], "mean", "table", share=own)
+    prior_share = 0.5 * (lessened("latitude_error", allowed) + lessened("heading_error", allowed))
+    yield family(table, everything, whiten(fixed)[:, None, :], "mean", "table", share=prior_share)
     drifting = rotation([modes(c, 1, _TREND) for c in counts], axes)
     yield family(table, everything, drifting[:, None, :], "drift", "table")
 

@@ -68,11 +68,11 @@ def resembling(
     by_channels: dict[tuple[str, ...], list[Place]] = {}
     for place in unknown:
         by_channels.setdefault(place.channels, []).append(place)
-    known = list(candidates)
+    candidates_by_rank = list(candidates)
     for channels, places in by_channels.items():
         families = [p.family for p in places if p.family is not None]
         if families:
-            found += _slow(residual, [c for c in known if c.channels == channels], families)
+            found += _slow(residual, [c for c in candidates_by_rank if c.channels == channels], families)
         else:
             found += _full_rate([f for f in findings if f.channels == channels and f.catalogued], places)
     return found
@@ -107,10 +107,10 @@ def _share(fit: Fit, gap: float) -> tuple[float, float]:
     return share, float(error)
 
 
-def _full_rate(known: Sequence[Finding], places: Sequence[Place]) -> list[Resemblance]:
+def _full_rate(candidates_by_rank: Sequence[Finding], places: Sequence[Place]) -> list[Resemblance]:
     """Of statistics of the full rate: what an effect takes of what shows at the same channels."""
     gap = max(p.q for p in places)
-    near = sorted((f for f in known if f.snr2 > 0.0), key=lambda f: -f.snr2)[:_MOST]
+    near = sorted((f for f in candidates_by_rank if f.snr2 > 0.0), key=lambda f: -f.snr2)[:_MOST]
     out = []
     for f in near:
         share = float(np.clip(f.snr2 / max(gap, 1e-9), 0.0, 1.0))
