@@ -13,7 +13,7 @@ from fogreduce.pages.attention import names_of, runs_to_see
 from fogreduce.pages.control import FEWEST_RUNS
 from fogreduce.pages.flags import flags_text
 from fogreduce.pages.gather import Entry, Gathered
-from fogreduce.pages.numbers import count, duration, number, plus_minus
+from fogreduce.pages.numbers import count, duration, minus_signs, number, plus_minus
 from fogreduce.pages.render import Crumb, page
 from fogreduce.pages.run_page import started, table_text
 from fogreduce.pages.verdict import FAILED, FLAGGED, GOOD, Verdict, verdicts
@@ -50,9 +50,7 @@ def campaign_page(gathered: Gathered, folder: Path) -> str:
     runs = gathered.runs
     found = _verdicts(runs)
     columns = _columns(runs)
-    rows = [
-        _row(place, entry, said, columns) for place, (entry, said) in enumerate(zip(runs, found, strict=True))
-    ]
+    rows = [_row(entry, said, columns) for entry, said in zip(runs, found, strict=True)]
     tables = sorted({row["table"] for row in rows if row["table"]})
     context = {
         "about": gathered.about,
@@ -163,7 +161,7 @@ def _columns(runs: Sequence[Entry]) -> list[dict[str, str]]:
     return columns
 
 
-def _row(place: int, entry: Entry, said: Verdict | None, columns: Sequence[dict[str, str]]) -> dict[str, Any]:
+def _row(entry: Entry, said: Verdict | None, columns: Sequence[dict[str, str]]) -> dict[str, Any]:
     overview = entry.overview
     if overview is None or said is None:
         state, table = FAILED, ""
@@ -176,7 +174,6 @@ def _row(place: int, entry: Entry, said: Verdict | None, columns: Sequence[dict[
         why = said.text if said.state == FLAGGED else noted
         cells = [_cell(overview, column) for column in columns]
     return {
-        "place": place,
         "run_id": entry.run_id,
         "href": f"{entry.run_id}/index.html" if entry.page else None,
         "started": started(entry.started_at)[:16],
@@ -191,17 +188,16 @@ def _cell(overview: dict[str, Any], column: dict[str, str]) -> Cell:
     kind = column["kind"]
     if kind == "noise":
         value = max(overview["noise"].values(), default=None)
-        return {"value": _plain(value), "text": number(value, 3)}
-    if kind == "temperature":
-        mean = (overview["temperature"] or {}).get("mean")
-        return {"value": _plain(mean), "text": "" if mean is None else f"{mean:.2f}".replace("-", "−")}
-    entry = overview[kind].get(column["of"], {})
-    value = entry.get("value")
-    return {"value": _plain(value), "text": plus_minus(value, entry.get("error"))}
-
-
-def _plain(value: float | None) -> str:
-    return "" if value is None else f"{value:.6g}"
+        text = number(value, 3)
+    elif kind == "temperature":
+        value = (overview["temperature"] or {}).get("mean")
+        text = "" if value is None else minus_signs(f"{value:.2f}")
+    else:
+        entry = overview[kind].get(column["of"], {})
+        value = entry.get("value")
+        text = plus_minus(value, entry.get("error"))
+    # What begins with its number sorts by that; a power of ten does not.
+    return {"value": f"{value:.6g}" if "·" in text else "", "text": text}
 
 
 def _charts(runs: Sequence[Entry], verdicts: Sequence[Verdict | None]) -> list[dict[str, Any]]:

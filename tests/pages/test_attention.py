@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -59,9 +60,8 @@ def test_the_campaigns_page_and_the_index_link_it(wrong) -> None:
         page = html_checks.check((wrong / name).read_text(), scripts=1)
         assert LOOKS in page.words
         assert any(attrs.get("href") == href for attrs in page.all("a"))
-    campaign = html_checks.check((wrong / "c1" / "index.html").read_text(), scripts=1)
-    states = {attrs["data-run"]: attrs["data-state"] for attrs in campaign.all("tr") if "data-run" in attrs}
-    assert list(states.values()) == ["flagged", "good"]
+    states = re.findall(r"</th><td>(flagged|good)</td>", (wrong / "c1" / "index.html").read_text())
+    assert states == ["flagged", "good"]
 
 
 def test_warnings_of_ingest_and_shares_of_records() -> None:

@@ -96,12 +96,12 @@ def points(
     height : float
         Of a panel [px].
     linked : bool
-        Whether each point carries its entry's number, by which the page's script finds it.
+        Whether each group of points carries its entries' numbers, by which the page's script finds them.
     """
     size = max((len(panel.values) for panel in panels), default=0)
     inner = WIDTH - LEFT - RIGHT
     step = inner / max(size, 1)
-    radius = max(1.4, min(4.0, 0.42 * step))
+    radius = max(1.5, min(4.0, 0.42 * step))
     body, top = [], float(TOP)
     # A run's marks in all panels are one path: a figure of a thousand runs stays small.
     marks: dict[str, dict[int, str]] = {"in": {}, "out": {}, "absent": {}}
@@ -110,13 +110,15 @@ def points(
         for kind, entry, path in _marks(panel, top, height, step, radius, absent):
             marks[kind][entry] = marks[kind].get(entry, "") + path
         top += height + GAP
-    drawn = {
-        kind: "".join(_path(path, entry, linked) for entry, path in of.items()) for kind, of in marks.items()
-    }
     bars = POINT if size <= _MANY else PALE
-    body.append(f'<g fill="{POINT}" stroke="{bars}">{drawn["in"]}</g>')
-    body.append(f'<g fill="#ffffff" stroke="{WARNING}" stroke-width="2">{drawn["out"]}</g>')
-    body.append(f'<g fill="none" stroke="{QUIET}" stroke-width="1.5">{drawn["absent"]}</g>')
+    for kind, look in (
+        ("in", f'fill="{POINT}" stroke="{bars}"'),
+        ("out", f'fill="#ffffff" stroke="{WARNING}" stroke-width="2"'),
+        ("absent", f'fill="none" stroke="{QUIET}" stroke-width="1.5"'),
+    ):
+        entries = f' data-r="{" ".join(map(str, marks[kind]))}"' if linked and marks[kind] else ""
+        paths = "".join(f'<path d="{path}"/>' for path in marks[kind].values())
+        body.append(f"<g {look}{entries}>{paths}</g>")
     for entry, text in ticks:
         x = LEFT + (entry + 0.5) * step
         body.append(text_at(min(max(x, LEFT), WIDTH - 40), top + 4, text, "middle", QUIET))
@@ -196,27 +198,28 @@ def _point(
         w = radius + 1.0
         return f"M{x - w:.1f},{at:.1f}h{2 * w:.1f}l{-w:.1f},{1.6 * w * way:.1f}z"
     ends = panel.ends(entry, value)
-    bar = ""
+    bar, move, left, above = "", "M", 0.0, 0.0
     if ends is not None:
         low, high = (y(min(max(end, span[0]), span[1])) for end in ends)
-        bar = f"M{x:.1f},{low:.1f}V{high:.1f}"
-    if entry in panel.out:
-        d = radius + 1.5  # a diamond: the shape says it without the colour
-        return f"{bar}M{x - d:.1f},{y(value):.1f}l{d:.1f},{-d:.1f}l{d:.1f},{d:.1f}l{-d:.1f},{d:.1f}z"
+        bar = f"M{_short(x)},{_short(low)}v{_short(high - low)}"
+        move, left, above = "m", x, high  # on from the bar's upper end
+    half = radius + 1.5 if entry in panel.out else radius
+    start, at = f"{bar}{move}{_short(x - half - left)}", y(value) - above
+    r, side = _short(half), _short(2 * half)
+    if entry in panel.out:  # a diamond: the shape says it without the colour
+        return f"{start},{_short(at)}l{r},-{r}l{r},{r}l-{r},{r}z"
     if len(panel.values) > _MANY:  # a square, which takes fewer letters than a circle
-        r = f"{2 * radius:.1f}"
-        return f"{bar}M{x - radius:.1f},{y(value) - radius:.1f}h{r}v{r}h-{r}z"
-    r = f"{radius:.1f}"
-    half = f"a{r},{r} 0 1 0"
-    return f"{bar}M{x - radius:.1f},{y(value):.1f}{half} {2 * radius:.1f},0{half} {-2 * radius:.1f},0"
+        return f"{start},{_short(at - half)}h{side}v{side}h-{side}z"
+    return f"{start},{_short(at)}a{r},{r} 0 1 0 {side},0a{r},{r} 0 1 0 -{side},0"
+
+
+def _short(value: float) -> str:
+    """A length to a tenth of a pixel."""
+    return f"{value:.1f}".removesuffix(".0")
 
 
 def _cross(x: float, y: float, r: float) -> str:
     return f"M{x - r:.1f},{y - r:.1f}l{2 * r:.1f},{2 * r:.1f}m0,{-2 * r:.1f}l{-2 * r:.1f},{2 * r:.1f}"
-
-
-def _path(path: str, entry: int, linked: bool) -> str:
-    return f'<path d="{path}" data-r="{entry}"/>' if linked else f'<path d="{path}"/>'
 
 
 def _band(limits: Sequence[tuple[float, float]], y: Place, top: float, height: float, step: float) -> str:

@@ -3,7 +3,7 @@
 (function () {
   const table = document.getElementById("runs-table");
   const body = table.tBodies[0];
-  const rows = Array.from(body.rows);
+  const rows = Array.from(table.tBodies).flatMap((part) => Array.from(part.rows));
   const form = document.querySelector("form.controls");
   const words = document.getElementById("words");
   const state = document.getElementById("state");
@@ -11,23 +11,28 @@
   const turned = document.getElementById("table");
   const shown = document.getElementById("shown");
   const texts = rows.map((row) => row.textContent.toLowerCase());
+  const runs = [...rows];  // in order of date, as the figures have them
   const order = new Map(rows.map((row, place) => [row, place]));
-  const points = new Map();
-  for (const point of document.querySelectorAll("figure.chart [data-r]")) {
-    const run = point.dataset.r;
-    if (!points.has(run)) points.set(run, []);
-    points.get(run).push(point);
+  const points = runs.map(() => []);
+  const runOf = new Map();
+  for (const group of document.querySelectorAll("figure.chart [data-r]")) {
+    const entries = group.dataset.r.split(" ").map(Number);
+    Array.from(group.children).forEach((point, place) => {
+      points[entries[place]].push(point);
+      runOf.set(point, runs[entries[place]]);
+    });
   }
 
-  function key(row, column) {
-    const cell = row.cells[column];
-    return cell.dataset.v === undefined ? cell.textContent : cell.dataset.v;
+  // Of a cell its number: as it begins, or as data-v has it where the text is no plain number.
+  function numberOf(cell) {
+    return parseFloat(cell.dataset.v || cell.textContent.replace("−", "-"));
   }
 
   function sort(header, column) {
     const down = header.getAttribute("aria-sort") === "ascending";
-    const numeric = rows.some((row) => row.cells[column].dataset.v !== undefined);
-    const keys = new Map(rows.map((row) => [row, numeric ? parseFloat(key(row, column)) : key(row, column)]));
+    const numeric = header.classList.contains("n");
+    const key = (cell) => (numeric ? numberOf(cell) : cell.textContent);
+    const keys = new Map(rows.map((row) => [row, key(row.cells[column])]));
     const missing = (value) => (numeric ? Number.isNaN(value) : value === "");
     rows.sort((one, other) => {
       const a = keys.get(one), b = keys.get(other);
@@ -61,12 +66,12 @@
     for (const row of rows) {
       const text = texts[order.get(row)];
       const fits = wanted.every((word) => text.includes(word)) &&
-        (!state.value || row.dataset.state === state.value) &&
+        (!state.value || row.cells[1].textContent === state.value) &&
         (!turned || !turned.value || row.cells[column].textContent === turned.value);
       number += fits;
       if (row.hidden === !fits) continue;
       row.hidden = !fits;
-      for (const point of points.get(row.dataset.run) || []) point.classList.toggle("off", !fits);
+      for (const point of points[order.get(row)]) point.classList.toggle("off", !fits);
     }
     shown.textContent = number + " of " + rows.length + " runs shown";
   }
@@ -76,23 +81,19 @@
   form.addEventListener("reset", () => { whole(); setTimeout(filter); });
   form.hidden = false;
   filter();
-  const more = body.querySelectorAll(".more").length;
-  if (more) shown.textContent = "first " + (rows.length - more) + " of " + rows.length + " runs shown";
+  if (table.tBodies[1]) shown.textContent = "first " + body.rows.length + " of " + rows.length + " runs shown";
 
   // A point names its run under the pointer, and leads to its page.
-  const byRun = new Map(rows.map((row) => [row.dataset.run, row]));
   for (const figure of document.querySelectorAll("figure.chart")) {
     figure.addEventListener("pointerover", (event) => {
-      const point = event.target.closest("[data-r]");
-      if (!point || point.firstChild) return;
+      const point = event.target, row = runOf.get(point);
+      if (!row || point.firstChild) return;
       const title = document.createElementNS("http://www.w3.org/2000/svg", "title");
-      const row = byRun.get(point.dataset.r);
       title.textContent = [0, 1, column - 1].map((place) => row.cells[place].textContent).join(", ");
       point.append(title);
     });
     figure.addEventListener("click", (event) => {
-      const point = event.target.closest("[data-r]");
-      const link = point && byRun.get(point.dataset.r).querySelector("a");
+      const row = runOf.get(event.target), link = row && row.querySelector("a");
       if (link) link.click();
     });
   }
