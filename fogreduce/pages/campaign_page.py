@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+from markupsafe import Markup
 
 from fogreduce.pages import svg, zoom
 from fogreduce.pages.attention import names_of, runs_to_see
@@ -114,7 +116,7 @@ def _facts(gathered: Gathered) -> list[tuple[str, str]]:
             "Runs",
             f"{count(len(gathered.runs))}: {count(len(seen))} reduced, {count(len(gathered.failed))} failed",
         ),
-        ("Unit", _several(overview["unit"] for overview in seen)),
+        ("Unit", _units(overview["unit"] for overview in seen)),
         ("From, to", " to ".join(dict.fromkeys(date[:10] for date in (dates[:1] + dates[-1:])))),
         ("Calibration", _several(overview["calibration"] for overview in seen)),
         ("Operator", gathered.about.operator or ""),
@@ -139,6 +141,17 @@ def _several(names: Any) -> str:
     if len(counted) == 1:
         return str(next(iter(counted)))
     return ", ".join(f"{name} ({count(times)})" for name, times in sorted(counted.items()))
+
+
+def _units(names: Iterable[str]) -> str:
+    """Units, each leading to the page of its records, with the number of runs where there are several."""
+    counted = sorted(Counter(names).items())
+    links = [
+        Markup('<a href="../_units/{0}.html">{0}</a>').format(unit)
+        + (f" ({count(times)})" if len(counted) > 1 else "")
+        for unit, times in counted
+    ]
+    return Markup(", ").join(links)
 
 
 def _versions(reduced: Sequence[Entry]) -> list[tuple[str, str, int]]:

@@ -105,9 +105,9 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
 
 
 def _brief(seen: dict[str, Any]) -> str:
-    """What was run, in a line."""
+    """When, what was run and with which calibration, in a line."""
     did = f"table about {table_text(seen)} for {duration(seen['duration_s'])}"
-    return f"Unit {seen['unit']}, {started(seen['started_at'])}; {did}; calibration {seen['calibration']}"
+    return f"{started(seen['started_at'])}; {did}; calibration {seen['calibration']}"
 
 
 def _whole_run(seen: dict[str, Any]) -> list[dict[str, str]]:

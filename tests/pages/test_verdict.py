@@ -120,9 +120,12 @@ def test_no_link_of_run_campaign_and_index_is_dead(lab, tmp_path) -> None:
     (results / "c1" / "_report").mkdir()
     (results / "c1" / "_report" / "index.html").write_text("")
     succeed("page", "campaign", results / "c1")
+    records, unit_page = lab.campaign.parents[1] / "calibrations", results / "_units" / "TETRA-01.html"
+    succeed("calibrations", "page", "TETRA-01", "--calibrations", records, "--out", unit_page)
     succeed("page", "index", results)
     for path in (results / "index.html", results / "c1" / "index.html", results / "c1" / "r1" / "index.html"):
         links = [attrs["href"] for attrs in html_checks.Page(path.read_text()).all("a")]
         assert links
+        assert any(link.endswith("_units/TETRA-01.html") for link in links)
         assert [link for link in links if link[0] != "#" and not (path.parent / link).is_file()] == []
     assert 'href="_report/index.html"' in (results / "c1" / "index.html").read_text()
