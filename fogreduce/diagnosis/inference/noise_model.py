@@ -358,7 +358,9 @@ class Metric:
 
     def gram(self, x: Array, y: Array) -> Array:
         """Inner products of whitened columns x (rows, k) and y (rows, l)."""
-        result: Array = x.T @ y - (self.a.T @ x).T @ (self.shrink @ (self.a.T @ y))
+        onto_x = self.a.T @ x
+        onto_y = onto_x if y is x else self.a.T @ y
+        result: Array = x.T @ y - onto_x.T @ (self.shrink @ onto_y)
         return result
 
     def without(self, y: Array) -> Array:
