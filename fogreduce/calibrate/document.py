@@ -13,6 +13,7 @@ from fogreduce.calibrate.coefficients import Coefficients
 from fogreduce.calibrate.derive import Derivation
 from fogreduce.calibrate.solution import Solution
 from fogreduce.constants import SECONDS_PER_HOUR
+from fogreduce.pages.numbers import plus_minus, signed
 from fogreduce.physics.redundancy import projection
 from fogreduce.physics.special import log_chi2_tail
 
@@ -162,7 +163,7 @@ def summary(data: Mapping[str, Any]) -> str:
     for gyro in data["gyros"]:
         change = gyro["change_from_present"]
         words = ", ".join(
-            f"{words} {change[key]['value']:+.3g} ± {change[key]['std']:.2g} {unit}"
+            f"{words} {signed(plus_minus(change[key]['value'], change[key]['std'], unit))}"
             for key, words, unit in _SUMMARY
             if change[key]["determined"]
         )

@@ -97,6 +97,8 @@ def _charts(entries: Sequence[Entry], found: Sequence[Coefficients]) -> list[tup
     }
     charts = []
     for name, unit in NAMES.items():
+        if name != "bias" and len(entries) == 1:
+            continue  # a change needs two records
         panels = []
         for i in range(len(first.bias_deg_h)):
             moved = [next(c.value for c in one if (c.gyro, c.name) == (i, name)) for one in since]

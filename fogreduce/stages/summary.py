@@ -173,7 +173,8 @@ def why_none(folder: Path, otherwise: str) -> tuple[str, str]:
         if any(line.startswith("Traceback") for line in said):
             said = said[-1:]
         if said:
-            return stage, " | ".join(said)[:_LONGEST_REASON]
+            reason = " | ".join(said)
+            return stage, reason if len(reason) <= _LONGEST_REASON else f"{reason[:_LONGEST_REASON]} ..."
     return "", otherwise
 
 

@@ -115,6 +115,13 @@ def test_the_page_of_a_unit(lab, capsys, tmp_path: Path) -> None:
     assert page.read_bytes() == before
 
 
+def test_the_page_of_a_unit_with_one_record_shows_no_changes(small_lab, tmp_path: Path) -> None:
+    page = tmp_path / "unit.html"
+    assert call(small_lab, "calibrations", "page", "TETRA-01", "--out", str(page)) == 0
+    assert "Bias of each gyro over its records" in page.read_text()
+    assert "change since the first record" not in page.read_text()
+
+
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -105,6 +105,14 @@ def test_failed_runs_and_why(tmp_path, capsys):
     assert {row["run_id"] for row in rows(out / "drift_all.csv")} == {"good"}
 
 
+def test_a_long_reason_is_cut_and_says_so(tmp_path):
+    make_failed(tmp_path, "c1", "r1", manifest="fault " * 200)
+    assert main(["summary", "--results", str(tmp_path), "--out", str(tmp_path / "out")]) == 0
+    (row,) = rows(tmp_path / "out" / "failed.csv")
+    assert row["reason"].startswith("fault fault")
+    assert row["reason"].endswith(" ...")
+
+
 def test_a_run_that_never_began(tmp_path):
     """Listed, but without a folder."""
     runs = listed(tmp_path / "runs.json", ("c1", "r1"))
