@@ -258,15 +258,15 @@ class Bench:
         spoil: Spoil = None,
     ) -> None:
         """Make the capture that a run.yaml asks for."""
+        from fogreduce.metadata.facts import RunFacts
         from fogreduce.metadata.folder import load_calibration, load_run
         from fogreduce.simulate.capture import write_capture
         from fogreduce.simulate.forward import ForwardRun, SimulatedBlock
         from fogreduce.simulate.nominal_noise import NoiseCoefficients
-        from fogreduce.simulate.plan import facts_of
 
         run = load_run(run_dir, need_capture=False)
         record, _ = load_calibration(self.calibrations, run.calibration)
-        facts = facts_of(run, record)
+        facts = RunFacts.of_models(run, record)
         stated = NoiseCoefficients.of(record.stated_noise.model_dump()) if noise else None
         blocks = list(ForwardRun(facts, stated, seed=seed).blocks())
         if spoil is not None:
@@ -280,11 +280,11 @@ class Bench:
 
     def facts(self, run_dir: Path) -> Any:
         """The run's numbers."""
+        from fogreduce.metadata.facts import RunFacts
         from fogreduce.metadata.folder import load_calibration, load_run
-        from fogreduce.simulate.plan import facts_of
 
         run = load_run(run_dir, need_capture=False)
-        return facts_of(run, load_calibration(self.calibrations, run.calibration)[0])
+        return RunFacts.of_models(run, load_calibration(self.calibrations, run.calibration)[0])
 
     def reduce(self, run_dir: Path, parameters: Parameters = None) -> Reduced:
         """All stages in one pass, into a folder of its own."""

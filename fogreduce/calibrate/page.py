@@ -73,7 +73,7 @@ def write_page(derivation: Derivation, data: Mapping[str, Any], path: Path) -> N
             }
             for one in data["departures"]
         ],
-        "runs": _runs(derivation, data),
+        "runs": _runs(data),
         "noise": [
             {"gyro": gyro["gyro"]} | {key: _cell(value) for key, value in gyro["noise"].items()}
             for gyro in gyros
@@ -160,7 +160,7 @@ def _rate_chart(derivation: Derivation, gyro: int) -> Markup:
     return points(panels, ticks, label, height=80.0)
 
 
-def _runs(derivation: Derivation, data: Mapping[str, Any]) -> list[list[str]]:
+def _runs(data: Mapping[str, Any]) -> list[list[str]]:
     """Run, then of each gyro the chi-square of its residuals over its degrees of freedom."""
     found = {
         (one["run"], one["gyro"]): f"{one['chi2'] / max(one['degrees_of_freedom'], 1):.2f}"

@@ -17,8 +17,7 @@ from fogreduce.calibrate.swings import swing_in
 from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.flags import UNUSABLE_RECORD
 from fogreduce.datasets.logs import TemperatureLog
-from fogreduce.datasets.readers import open_capture
-from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.readers.contradictions import open_run_capture
 from fogreduce.datasets.run_logs import temperatures_of
 from fogreduce.effects.at import slope_around
 from fogreduce.errors import BadInput
@@ -120,12 +119,11 @@ def read_campaign(campaign: Path, calibrations: Path, only: Sequence[str] = ()) 
 
 def _unless_it_swings(folder: Path, run: Run, record: CalibrationRecord) -> Readings | None:
     """One run in bins; None where it swings throughout."""
-    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    facts = RunFacts.of_models(run, record)
     swing = swing_in(folder, run, facts)
     if swing is not None:
         middle = middles(facts)
-        bin_s = records_in_bin(facts) / facts.sample_rate_hz
-        _, inside = whole_bins(facts, middle, bin_s, ReductionConfig().edge_guard_s)
+        _, inside = whole_bins(facts, middle)
         if not (inside & ~swing.covers(middle)).any():
             return None
     return read_run(folder, run, record, swing)
@@ -139,11 +137,8 @@ def middles(facts: RunFacts) -> Array:
 
 def read_run(folder: Path, run: Run, record: CalibrationRecord, swing: Swing | None = None) -> Readings:
     """One run in bins; what lies within a swing counts in none."""
-    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
-    path = folder / run.capture.file
-    reader = open_capture(path, run.capture.model_dump(mode="json"), facts.start_us)
-    if wrong := contradictions(reader.facts, facts, path):
-        raise BadInput(*wrong)
+    facts = RunFacts.of_models(run, record)
+    reader = open_run_capture(folder, run, facts)
     parameters = ReductionConfig()
     size = records_in_bin(facts)
     stated = StatedErrors.of(run, record)
@@ -165,11 +160,11 @@ def read_run(folder: Path, run: Run, record: CalibrationRecord, swing: Swing | N
         parts.append(bins_of(time_s, values, usable, size))
     bins = Bins.joined(parts)
     n, bin_s = facts.n_gyros, size / facts.sample_rate_hz
-    segment, inside = whole_bins(facts, bins.time_s, bin_s, parameters.edge_guard_s)
+    segment, inside = whole_bins(facts, bins.time_s)
     inside &= (bins.count[2 * n] > size / 2) & (bins.count[:n] > size / 2).any(axis=0)
     if not inside.any():
         expected = "at least one bin of usable records inside a segment of the profile"
-        raise BadInput.at(path, "", found="no usable data", expected=expected)
+        raise BadInput.at(folder / run.capture.file, "", found="no usable data", expected=expected)
     log = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
     time_s = bins.time_s[inside]
     return Readings(
@@ -232,11 +227,13 @@ def _steps(left: Array, usable: NDArray[np.bool_] | None) -> tuple[Array, NDArra
     return np.sum(np.where(there, step, 0.0) ** 2, axis=1), np.count_nonzero(there, axis=1)
 
 
-def whole_bins(
-    facts: RunFacts, time_s: Array, bin_s: float, guard_s: float
-) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Segment of each bin, and whether the whole bin lies in it (the guard left out between segments)."""
-    edges = facts.profile.edges_s
+def whole_bins(facts: RunFacts, time_s: Array) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Segment of each bin, and whether the whole bin lies in it (the guard left out between segments).
+
+    `time_s` (m,): middles of the bins [s]; NaN for one without samples.
+    """
+    edges, guard_s = facts.profile.edges_s, ReductionConfig().edge_guard_s
+    bin_s = records_in_bin(facts) / facts.sample_rate_hz
     middle = np.nan_to_num(time_s, nan=-1.0)
     segment = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(edges) - 2)
     first, last = segment == 0, segment == len(edges) - 2

@@ -13,8 +13,7 @@ from fogreduce.constants import MICROSECONDS_PER_SECOND
 from fogreduce.datasets.block import Block
 from fogreduce.datasets.flags import GyroFlag, RecordFlag
 from fogreduce.datasets.logs import read_table_log
-from fogreduce.datasets.readers import open_capture
-from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.readers.contradictions import open_run_capture
 from fogreduce.errors import BadInput
 from fogreduce.estimate.swing import Swing, swing_of
 from fogreduce.estimate.uncertainty import axis_rates
@@ -84,14 +83,11 @@ def read_swings(campaign: Path, calibrations: Path, only: Sequence[str] = ()) ->
 
 
 def _read(folder: Path, run: Run, record: CalibrationRecord) -> SwingRun | None:
-    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    facts = RunFacts.of_models(run, record)
     swing = swing_in(folder, run, facts)
     if swing is None:
         return None
-    path = folder / run.capture.file
-    reader = open_capture(path, run.capture.model_dump(mode="json"), facts.start_us)
-    if wrong := contradictions(reader.facts, facts, path):
-        raise BadInput(*wrong)
+    reader = open_run_capture(folder, run, facts)
     parameters = ReductionConfig()
     ingest = Ingest(facts, parameters.outliers.threshold_sigma)
     pulse, stamp, raw = [], [], []
@@ -106,6 +102,7 @@ def _read(folder: Path, run: Run, record: CalibrationRecord) -> SwingRun | None:
             break
     numbers = np.concatenate(pulse)[:MOST_SAMPLES]
     if np.unique(numbers).size < 2:
+        path = folder / run.capture.file
         raise BadInput.at(path, "", found="no usable data", expected="samples of the swing")
     time_us, values = np.concatenate(stamp)[:MOST_SAMPLES], np.concatenate(raw, axis=1)[:, :MOST_SAMPLES]
     time_s, whole = at_instants(numbers, time_us, values)

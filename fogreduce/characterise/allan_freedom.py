@@ -20,9 +20,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Kind = Literal["overlapping", "modified", "total"]
 
-#: Noise that Allan variances tell apart and converge for.
-ALPHAS = (2, 1, 0, -1, -2)
-
 _FINEST = 128  # lags an averaging time in the sum
 _PUBLISHED_MOST = 100  # terms of their sum up to which Greenhall and Riley filter (Jmax)
 _FINEST_FLICKER_PHASE = 2048  # the same where the sum is peaked at whole averaging times

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,22 +30,9 @@ Array = NDArray[np.float64]
 _VARIABLES = ("pulse", "flag", "gyro_flag", "gyro_rate")
 
 
-@dataclass(frozen=True)
-class Records:
-    """Records of a run: stamps [us] from its start, pulses, flags, rates [deg/s] (n, N) and (3, N)."""
-
-    time_us: NDArray[np.int64]
-    pulse: NDArray[np.int64]
-    flag: NDArray[np.uint8]
-    gyro_flag: NDArray[np.uint8]
-    gyro_rate: Array
-    axis_rate: Array | None
-
-    @classmethod
-    def of(cls, time_us: NDArray[np.int64], found: Mapping[str, NDArray[Any]]) -> Records:
-        """Out of variables by name, as the stages' datasets have them."""
-        pulse, flag, gyro_flag, gyro_rate = (found[name] for name in _VARIABLES)
-        return cls(time_us, pulse, flag, gyro_flag, gyro_rate, found.get("axis_rate"))
+#: Variables of the records by name: `time` (N,) stamps [us] from the run's start, `pulse` and `flag` (N,),
+#: `gyro_flag` and `gyro_rate` (n, N), `axis_rate` (3, N) where the unit has axes; rates in deg/s.
+Records = Mapping[str, NDArray[Any]]
 
 
 def allan_of_run(out: Path, kinds: Sequence[Kind] = KINDS) -> Allan:
@@ -66,8 +52,7 @@ def allan_of_run(out: Path, kinds: Sequence[Kind] = KINDS) -> Allan:
         with StageDataset(setup, stage) as source:
             parts = [part for _, part in source.blocks(names)]
         found |= {name: np.concatenate([part[name] for part in parts], axis=-1) for name in names}
-    records = Records.of(found["time"], found)
-    return _allan(setup, records, kinds, None, "QNBKR")
+    return _allan(setup, found, kinds, None, "QNBKR")
 
 
 def allan_of_view(
@@ -84,7 +69,7 @@ def allan_of_view(
     start = np.datetime64(setup.facts.start_us, "us")
     time_us = (view["time"].values - start).astype("timedelta64[us]").astype(np.int64)
     found = {name: view[name].values for name in (*_VARIABLES, "axis_rate") if name in view}
-    return _allan(setup, Records.of(time_us, found), kinds, factors, terms)
+    return _allan(setup, found | {"time": time_us}, kinds, factors, terms)
 
 
 def _allan(
@@ -95,8 +80,8 @@ def _allan(
     inside = _inside(setup, records, segment, len(segments))
     if not inside.any():
         raise BadInput.at(setup.out, "", found="no record of its longest segment", expected="some")
-    time_s = seconds(records.time_us[inside])
-    place = records.pulse[inside] - int(records.pulse[inside].min())
+    time_s = seconds(records["time"][inside])
+    place = records["pulse"][inside] - int(records["pulse"][inside].min())
     interval_s = 1.0 / setup.facts.sample_rate_hz
     channels = []
     for name, rate, usable in _channels(setup, records):
@@ -114,20 +99,22 @@ def _allan(
 def _inside(setup: Setup, records: Records, segment: Mapping[str, Any], segments: int) -> NDArray[np.bool_]:
     """Usable records of a segment, the guard at its inner edges left out, each pulse once."""
     guard = float(setup.parameters["edge_guard_s"])
-    time_s = seconds(records.time_us)
+    time_s = seconds(records["time"])
     low = segment["start_s"] + (guard if segment["segment"] > 1 else 0.0)
     high = segment["stop_s"] - (guard if segment["segment"] < segments else 0.0)
-    inside: NDArray[np.bool_] = (time_s >= low) & (time_s < high) & ((records.flag & UNUSABLE_RECORD) == 0)
+    usable = (records["flag"] & UNUSABLE_RECORD) == 0
+    inside: NDArray[np.bool_] = (time_s >= low) & (time_s < high) & usable
     return inside
 
 
 def _channels(setup: Setup, records: Records) -> list[tuple[str, Array, NDArray[np.bool_]]]:
     """Name, rate [deg/s] and which samples are usable, of every gyro and axis."""
-    found = [(name, records.gyro_rate[k], records.gyro_flag[k] == 0) for k, name in enumerate(setup.gyros)]
-    if records.axis_rate is not None:
+    rate, flags = records["gyro_rate"], records["gyro_flag"]
+    found = [(name, rate[k], flags[k] == 0) for k, name in enumerate(setup.gyros)]
+    if "axis_rate" in records:
         # Records of three gyros of four have rates only where they were asked for; their noise is another.
-        whole = (records.flag & UNUSABLE_AXES) == 0
-        found += [(name, records.axis_rate[k], whole) for k, name in enumerate(setup.axes)]
+        whole = (records["flag"] & UNUSABLE_AXES) == 0
+        found += [(name, records["axis_rate"][k], whole) for k, name in enumerate(setup.axes)]
     return found
 
 

@@ -28,7 +28,6 @@ from fogreduce.constants import EARTH_RATE_DEG_S, SECONDS_PER_HOUR
 from fogreduce.estimate.swing import LONGEST_S, swing_of
 from fogreduce.estimate.uncertainty import StatedErrors, axis_rates, motion_departures
 from fogreduce.metadata.calibration import CalibrationRecord
-from fogreduce.metadata.config import ReductionConfig
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.run import Run
 from fogreduce.physics.low_pass import bandwidth_hz, of_steps
@@ -136,7 +135,7 @@ def expected_quantities(
 
 def drawn_swing(run: Run, record: CalibrationRecord, generator: np.random.Generator) -> SwingRun | None:
     """A swing's samples: a pole at half the Nyquist frequency, white noise as stated; None if it is none."""
-    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    facts = RunFacts.of_models(run, record)
     swing = swing_of(facts.profile, None)
     if swing is None:
         return None
@@ -163,11 +162,11 @@ def drawn_readings(run: Run, record: CalibrationRecord, generator: np.random.Gen
     Readings
         Their scatter within bins is what it is on average.
     """
-    facts = RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
+    facts = RunFacts.of_models(run, record)
     size = records_in_bin(facts)
     bin_s = size / facts.sample_rate_hz
     middle = middles(facts)
-    segment, inside = whole_bins(facts, middle, bin_s, ReductionConfig().edge_guard_s)
+    segment, inside = whole_bins(facts, middle)
     time_s: Array = middle[inside]
     stated, noise, n = StatedErrors.of(run, record), record.stated_noise, facts.n_gyros
     motion = axis_rates(facts, time_s)

@@ -27,7 +27,6 @@ class Steps:
     Attributes
     ----------
     run : str
-    run_number : int
     axis : str
         Table axis as text, runs of the same text are about the same axis.
     rate : (J,) array
@@ -43,7 +42,6 @@ class Steps:
     """
 
     run: str
-    run_number: int
     axis: str
     rate: Array
     approached: NDArray[np.intp]
@@ -66,7 +64,7 @@ def steps_of(found: Derivation, gyro: int, shapes: Sequence[Shape] = ()) -> list
     vector = found.solution.values[found.solution.layout.vector(gyro)]
     axis = vector / np.linalg.norm(vector)
     out = []
-    for number, one in enumerate(found.readings):
+    for one in found.readings:
         if abs(axis @ one.facts.commanded_signs) < LEAST_COSINE:
             continue
         there = np.isfinite(one.raw[gyro])
@@ -81,7 +79,6 @@ def steps_of(found: Derivation, gyro: int, shapes: Sequence[Shape] = ()) -> list
         out.append(
             Steps(
                 one.facts.run_id,
-                number,
                 " ".join(f"{part:.6f}" for part in one.facts.table_axis),
                 rates[segments],
                 np.sign(rates[segments] - before).astype(np.intp),

@@ -163,24 +163,21 @@ def _left_to_do(path: Path, faults: Faults) -> None:
 
 def _check_capture(folder: Path, run: Run, record: CalibrationRecord, *, with_logs: bool) -> list[Fault]:
     """The capture against run.yaml and the record, header and records; warnings about it and its logs."""
-    from fogreduce.datasets.readers import open_capture
-    from fogreduce.datasets.readers.contradictions import contradictions
+    from fogreduce.datasets.readers.contradictions import open_run_capture
     from fogreduce.metadata.config import OutliersConfig
     from fogreduce.metadata.facts import RunFacts
     from fogreduce.stages.ingest import Ingest
     from fogreduce.stages.look import look
 
-    path, plain = folder / run.capture.file, run.model_dump(mode="json")
-    facts = RunFacts.of(plain, record.model_dump(mode="json"))
-    capture = open_capture(path, plain["capture"], run.start_us)
-    if wrong := contradictions(capture.facts, facts, path):
-        raise BadInput(*wrong)
+    facts = RunFacts.of_models(run, record)
+    capture = open_run_capture(folder, run, facts)
     ingest = Ingest(facts, OutliersConfig().threshold_sigma)
     for _ in ingest.blocks(capture, _RECORDS):
         pass
     if not with_logs:  # they are bad, which is said already
         return []
-    return [finding.fault(str(folder)) for finding in look(facts, plain, ingest.report(capture), folder)]
+    found = look(facts, run.model_dump(mode="json"), ingest.report(capture), folder)
+    return [finding.fault(str(folder)) for finding in found]
 
 
 def _check_logs(path: Path, run: Run, faults: Faults) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,10 @@ from fogreduce.physics.frames import AXES, unit_from_enu
 from fogreduce.physics.raw_quantity import INCREMENTS, RawUnit, RawUnitName, unit_of_capture
 from fogreduce.physics.table_motion import Profile
 from fogreduce.units import microseconds_since_1970
+
+if TYPE_CHECKING:
+    from fogreduce.metadata.calibration import CalibrationRecord
+    from fogreduce.metadata.run import Run
 
 Array = NDArray[np.float64]
 
@@ -78,6 +82,11 @@ class RunFacts:
     white_noise: Array | None
     bias_instability: Array | None
     rate_random_walk: Array | None
+
+    @classmethod
+    def of_models(cls, run: Run, record: CalibrationRecord) -> RunFacts:
+        """From run and calibration record as models."""
+        return cls.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
 
     @classmethod
     def of(cls, run: Mapping[str, Any], calibration: Mapping[str, Any]) -> RunFacts:

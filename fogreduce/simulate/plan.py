@@ -96,7 +96,7 @@ class Plan:
     def facts(self, run_id: str) -> RunFacts:
         """A run's numbers."""
         run = self.runs[run_id]
-        return facts_of(run, self.records[run.calibration])
+        return RunFacts.of_models(run, self.records[run.calibration])
 
     def forward(self, run_id: str) -> ForwardRun:
         """A run, forward."""
@@ -110,11 +110,6 @@ class Plan:
             if run.temperature is not None or (folder / run.capture.file).is_file():
                 temperature = temperatures_of(folder, run.model_dump(mode="json"), facts.start_us)
         return ForwardRun(facts, noise, self.actions, temperature, self.seed)
-
-
-def facts_of(run: Run, record: CalibrationRecord) -> RunFacts:
-    """A run's numbers, from its models."""
-    return RunFacts.of(run.model_dump(mode="json"), record.model_dump(mode="json"))
 
 
 def prepare(campaign_dir: Path, calibrations_dir: Path, options: Options) -> Plan:
@@ -142,7 +137,7 @@ def prepare(campaign_dir: Path, calibrations_dir: Path, options: Options) -> Pla
     if options.draw_uncertainties:
         for record_id, record in records.items():
             its = [run for run in runs.values() if run.calibration == record_id]
-            drawn += draw_uncertainties(its, record, facts_of(its[0], record).axes, seed)
+            drawn += draw_uncertainties(its, record, RunFacts.of_models(its[0], record).axes, seed)
     return Plan(
         folder=campaign_dir,
         campaign=campaign,

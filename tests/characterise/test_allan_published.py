@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fogreduce
-from fogreduce.characterise.allan_freedom import ALPHAS, degrees_of_freedom, second_difference_correlation
+from fogreduce.characterise.allan_freedom import degrees_of_freedom, second_difference_correlation
 
 #: NIST SP 1065, table 31 (1,000 points): averaging time -> deviation.
 NIST = {
@@ -47,7 +47,7 @@ def test_published_freedom_by_noise(alpha: int, expected: float) -> None:
     assert found == pytest.approx(expected, rel=3e-4)
 
 
-@pytest.mark.parametrize("alpha", ALPHAS)
+@pytest.mark.parametrize("alpha", [2, 1, 0, -1, -2])
 @pytest.mark.parametrize("m", [2, 8, 33, 100, 200])
 @pytest.mark.parametrize("modified", [False, True])
 def test_freedom_against_allantools(alpha: int, m: int, modified: bool) -> None:

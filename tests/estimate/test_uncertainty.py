@@ -19,7 +19,6 @@ from fogreduce.physics.earth_rate import remove_earth_rate
 from fogreduce.physics.frames import across
 from fogreduce.simulate.draw import draw_uncertainties
 from fogreduce.simulate.forward import ForwardRun
-from fogreduce.simulate.plan import facts_of
 
 W = EARTH_RATE_DEG_S
 NONE = StatedErrors(*(np.zeros(3) for _ in range(4)), 0.0, 0.0, 0.0)
@@ -94,7 +93,7 @@ def test_against_draws_through_the_forward_physics(repository, run_id: str) -> N
     """
     run = load_run(repository / "campaigns/three-axes/runs" / run_id, need_capture=False)
     record, _ = load_calibration(repository / "calibrations", run.calibration)
-    facts = facts_of(run, record)
+    facts = RunFacts.of_models(run, record)
     stop = facts.profile.end_s
     time_s = stop * (np.arange(600) + 0.5) / 600
     basis = CurveBasis.of(0.0, stop, float(facts.profile.rate_deg_s[0]))
@@ -117,7 +116,7 @@ def test_a_records_covariance_stands_in_for_its_standard_deviations(repository) 
     a standstill, where both are offsets, the gyros' parts add up instead of in squares."""
     run = load_run(repository / "campaigns/three-axes/runs/8-still", need_capture=False)
     record, _ = load_calibration(repository / "calibrations", run.calibration)
-    facts, plain = facts_of(run, record), StatedErrors.of(run, record)
+    facts, plain = RunFacts.of_models(run, record), StatedErrors.of(run, record)
     plain = replace(plain, turn_on_bias_deg_h=np.zeros(4), azimuth_deg=0.0, latitude_deg=0.0)
     sizes = np.array(
         [plain.scale_factor_rel, plain.bias / facts.scale_factor * 3600, plain.axis_rad, plain.axis_rad]

@@ -90,11 +90,11 @@ def test_chain_forward_and_back(seed: int, n: int) -> None:
 
 def test_the_papers_chain_forward_and_back(repository) -> None:
     """The same for the bundled run, its own record and mounting, over a whole turn."""
+    from fogreduce.metadata.facts import RunFacts
     from fogreduce.metadata.folder import load_calibration, load_run
-    from fogreduce.simulate.plan import facts_of
 
     run = load_run(repository / "campaigns/published/runs/x-one-turn", need_capture=False)
-    facts = facts_of(run, load_calibration(repository / "calibrations", run.calibration)[0])
+    facts = RunFacts.of_models(run, load_calibration(repository / "calibrations", run.calibration)[0])
     time_s = np.linspace(0, 6000, 10_001)
     alpha = facts.profile.angle_at(time_s)
     assert alpha[-1] == pytest.approx(2 * np.pi, rel=1e-15)

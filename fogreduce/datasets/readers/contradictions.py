@@ -4,13 +4,33 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from fogreduce.datasets.readers import Reader, open_capture
 from fogreduce.datasets.readers.facts import CaptureFacts
-from fogreduce.errors import Fault
+from fogreduce.errors import BadInput, Fault
 from fogreduce.metadata.facts import RunFacts
 from fogreduce.units import instant_of
 
+if TYPE_CHECKING:
+    from fogreduce.metadata.run import Run
+
 _SAME = 1e-9  # relative: a number printed with ten digits still agrees with its double
+
+
+def open_run_capture(folder: Path, run: Run, facts: RunFacts) -> Reader:
+    """The capture of a run in its folder.
+
+    Raises
+    ------
+    BadInput
+        As `open_capture`; a capture that contradicts run.yaml or the calibration record.
+    """
+    path = folder / run.capture.file
+    reader = open_capture(path, run.capture.model_dump(mode="json"), facts.start_us)
+    if wrong := contradictions(reader.facts, facts, path):
+        raise BadInput(*wrong)
+    return reader
 
 
 def contradictions(capture: CaptureFacts, run: RunFacts, path: Path) -> list[Fault]:

@@ -15,8 +15,8 @@ from fogreduce.diagnosis.observe.blocks import Blocks
 from fogreduce.diagnosis.observe.capture import RunInput
 from fogreduce.diagnosis.observe.predict import Scene
 from fogreduce.metadata.bench import Bench
+from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.run import Run
-from fogreduce.simulate.plan import facts_of
 
 RUN_ID = "next-run"
 #: Durations that are weighed, as parts and multiples of today's longest.
@@ -154,7 +154,7 @@ def as_input(inputs: Sequence[RunInput], proposal: Proposal) -> RunInput:
     """The proposal as a run like those of today."""
     pattern = inputs[0]
     run = Run.from_data(run_document(pattern.run, proposal), "next run")
-    facts = facts_of(run, pattern.record)
+    facts = RunFacts.of_models(run, pattern.record)
     scene = Scene(facts, temperature(inputs, proposal), Blocks.of(facts))
     return replace(pattern, run=run, facts=facts, scene=scene)
 

@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 
 from fogreduce.constants import MISSING_COUNT, SECONDS_PER_HOUR
 from fogreduce.datasets.flags import GyroFlag, RecordFlag
-from fogreduce.datasets.readers import open_capture
-from fogreduce.datasets.readers.contradictions import contradictions
+from fogreduce.datasets.readers.contradictions import open_run_capture
 from fogreduce.datasets.run_logs import table_log_of, temperatures_of
 from fogreduce.diagnosis.observe.blocks import Blocks
 from fogreduce.diagnosis.observe.predict import Scene
 from fogreduce.diagnosis.observe.table_motion import table_motion
 from fogreduce.effects.selection import Action
-from fogreduce.errors import BadInput
 from fogreduce.estimate.outliers import dense
 from fogreduce.metadata.assumed import Assumed
 from fogreduce.metadata.calibration import CalibrationRecord
@@ -27,7 +25,6 @@ from fogreduce.metadata.facts import RunFacts
 from fogreduce.metadata.folder import runs_of_one_record
 from fogreduce.metadata.part import Part
 from fogreduce.metadata.run import Run
-from fogreduce.simulate.plan import facts_of
 from fogreduce.stages.ingest import Ingest
 
 Array = NDArray[np.float64]
@@ -98,7 +95,7 @@ def read_inputs(
         if part is not None:
             # captures say more of their white noise than a data sheet does
             record, assumed = part.filled(record, white_noise=not need_capture)
-        facts = facts_of(run, record)
+        facts = RunFacts.of_models(run, record)
         plain = run.model_dump(mode="json")
         log = temperatures_of(folder, plain, facts.start_us)
         angles = table_log_of(folder, plain, facts.start_us) if need_capture else None
@@ -120,12 +117,8 @@ def read_samples(one: RunInput, actions: Sequence[Action] = ()) -> Samples:
     actions : sequence of Action
         Effects in the chain that predicts; no filters, which remember what came before.
     """
-    facts, run = one.facts, one.run
-    path = one.folder / run.capture.file
-    reader = open_capture(path, run.capture.model_dump(mode="json"), facts.start_us)
-    wrong = contradictions(reader.facts, facts, path)
-    if wrong:
-        raise BadInput(*wrong)
+    facts = one.facts
+    reader = open_run_capture(one.folder, one.run, facts)
     ingest = Ingest(facts, OutliersConfig().threshold_sigma)
     n, size = facts.n_gyros, facts.n_expected
     residual = np.full((n, size), np.nan)

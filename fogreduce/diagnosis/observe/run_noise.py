@@ -141,13 +141,9 @@ def _compared(power: Array, pieces: NDArray[np.int64]) -> Array:
 
 
 def run_level_findings(
-    runs: Sequence[FullRate],
-    inputs: Sequence[RunInput],
-    ratio: Array,
-    stated: Array,
-    allowed: frozenset[str],
+    runs: Sequence[FullRate], inputs: Sequence[RunInput], ratio: Array, allowed: frozenset[str]
 ) -> Iterator[Finding]:
-    """White noise of another level in some runs alone."""
+    """White noise of another level in some runs alone; `ratio`: (R, n), as of `run_levels`."""
     effect = "angle_random_walk" if "angle_random_walk" in allowed else "unknown"
     for r, i in np.argwhere(ratio != 1.0).tolist():
         run, facts = runs[r], inputs[r].facts

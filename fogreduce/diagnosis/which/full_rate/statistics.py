@@ -49,7 +49,7 @@ class FullRateStatistics:
             *stamp_findings({run.run_id: run.stamps for run in data.full}, allowed),
             *converter_findings(data.codes, n, allowed, self._step()),
             *dead_findings(data.constant, len(data.inputs), n),
-            *run_level_findings(data.full, data.inputs, data.run_level, data.stated_white, allowed),
+            *run_level_findings(data.full, data.inputs, data.run_level, allowed),
         ]
         bits, colour = data.bits.astype(float), self._colour()
         plain = levels(data.full, self.facts, data.stated_white, [[]] * n, bits, colour, data.run_level)
