@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from fogreduce.pages import svg
 from fogreduce.pages.numbers import number
-from fogreduce.pages.overview import real
+from fogreduce.pages.overview import real, whole_run
 from fogreduce.stages.budget import PARTS
 from fogreduce.stages.read_table import Row
 
@@ -30,8 +30,7 @@ def budget_bars(rows: Sequence[Row]) -> Markup | None:
     Markup or None
         None where no quantity that is shown has an uncertainty.
     """
-    segments = {row["segment"] for row in rows}
-    of = "all" if "all" in segments else "1"
+    of = whole_run(rows)
     bars, said = [], []
     for quantity, words in _SHOWN.items():
         for row in rows:

@@ -124,7 +124,7 @@ def _facts(gathered: Gathered) -> list[tuple[str, str]]:
     return [(name, value) for name, value in pairs if value]
 
 
-def _assumed(reduced: Sequence[Entry]) -> list[tuple[str, str, str, int]]:
+def _assumed(reduced: Sequence[Entry]) -> list[tuple[str, str, str, str]]:
     """Values that nobody stated: where, key, what is assumed, and in how many runs."""
     counted = Counter(
         (item["file"], item["key"], item["said"])
@@ -132,7 +132,7 @@ def _assumed(reduced: Sequence[Entry]) -> list[tuple[str, str, str, int]]:
         if entry.overview
         for item in entry.overview.get("assumed", ())
     )
-    return [(*item, times) for item, times in counted.items()]
+    return [(*item, count(times)) for item, times in counted.items()]
 
 
 def _several(names: Any) -> str:
@@ -154,10 +154,10 @@ def _units(names: Iterable[str]) -> str:
     return Markup(", ").join(links)
 
 
-def _versions(reduced: Sequence[Entry]) -> list[tuple[str, str, int]]:
+def _versions(reduced: Sequence[Entry]) -> list[tuple[str, str, str]]:
     """Version of the package, digest of its code, and how many runs were reduced with them."""
     counted = Counter((e.overview["software"], e.overview["code"]) for e in reduced if e.overview)
-    return [(software, code, times) for (software, code), times in sorted(counted.items())]
+    return [(software, code, count(times)) for (software, code), times in sorted(counted.items())]
 
 
 def _columns(runs: Sequence[Entry]) -> list[dict[str, str]]:

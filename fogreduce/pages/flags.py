@@ -23,12 +23,12 @@ FLAGS = {
 }
 
 
-def flag(kind: str, value: int) -> tuple[str, int]:
-    """What was flagged in words, and how often."""
+def flag(kind: str) -> str:
+    """What was flagged in words."""
     what, _, gyro = kind.rpartition("_gyro")
     if what in FLAGS:
-        return f"gyro {gyro}: {FLAGS[what]}", value
-    return FLAGS.get(kind, kind.replace("_", " ")), value
+        return f"gyro {gyro}: {FLAGS[what]}"
+    return FLAGS.get(kind, kind.replace("_", " "))
 
 
 def flags_text(flagged: Mapping[str, int]) -> str:

@@ -152,23 +152,24 @@ def _panel(history: History, size: int) -> svg.Panel:
     return svg.Panel(history.axis, "deg/h", spread, bars, centre=found.centre, limits=limits, out=out)
 
 
-def _numbers(history: History) -> dict[str, str]:
+def _numbers(history: History) -> list[str]:
+    """Axis, runs, centre, scatter beyond errors, runs outside the limits, most in a row on one side."""
     found = history.found
-    return {
-        "axis": history.axis,
-        "runs": count(len(history.values)),
-        "centre": number(found.centre, 4),
-        "extra": "too few runs" if found.extra is None else number(found.extra, 3),
-        "out": "" if found.limits is None else count(len(found.out)),
-        "longest": count(found.longest) + (", level moved" if found.moved else ""),
-    }
+    return [
+        history.axis,
+        count(len(history.values)),
+        number(found.centre, 4),
+        "too few runs" if found.extra is None else number(found.extra, 3),
+        "" if found.limits is None else count(len(found.out)),
+        count(found.longest) + (", level moved" if found.moved else ""),
+    ]
 
 
-def _said(title: str, unit: str, rows: Sequence[dict[str, str]]) -> str:
+def _said(title: str, unit: str, rows: Sequence[Sequence[str]]) -> str:
     """The chart in words."""
     parts = [
-        f"{row['axis']}: {row['runs']} runs, centre {row['centre']} deg/h"
-        + (f", {row['out']} outside the limits" if row["out"] else ", no limits")
-        for row in rows
+        f"{axis}: {runs} runs, centre {centre} deg/h"
+        + (f", {out} outside the limits" if out else ", no limits")
+        for axis, runs, centre, _, out, _ in rows
     ]
     return f"Control chart of unit {unit}: {title} by run, in order of date. " + "; ".join(parts) + "."

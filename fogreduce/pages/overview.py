@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -135,13 +135,31 @@ def real(text: str | None) -> float | None:
     return value if math.isfinite(value) else None
 
 
+def error_of(row: Row, before: str, after: str) -> float | None:
+    """The coloured standard error of a value; where there is none, that by white noise.
+
+    Parameters
+    ----------
+    row : Row
+    before, after : str
+        Of the columns' names, before and after ``err_`` and ``err_coloured_``: ``drift_``, ``deg_h``.
+    """
+    coloured = real(row[f"{before}err_coloured_{after}"])
+    return real(row[f"{before}err_{after}"]) if coloured is None else coloured
+
+
+def whole_run(rows: Sequence[Row]) -> str:
+    """What ``segment`` says in rows of the whole run: ``all``, or ``1`` where there is no other segment."""
+    return "1" if {row["segment"] for row in rows} <= {"1"} else "all"
+
+
 def _drift(rows: list[Row]) -> dict[str, dict[str, float | None]]:
     """Of the whole run: its only segment, or the rows over all."""
-    whole = "all" if any(row["segment"] == "all" for row in rows) else "1"
+    whole = whole_run(rows)
     return {
         row["axis"]: {
             "value": real(row["drift_deg_h"]),
-            "error": _first(real(row["drift_err_coloured_deg_h"]), real(row["drift_err_deg_h"])),
+            "error": error_of(row, "drift_", "deg_h"),
             "stated": real(row["drift_err_stated_deg_h"]),
         }
         for row in rows
@@ -149,13 +167,9 @@ def _drift(rows: list[Row]) -> dict[str, dict[str, float | None]]:
     }
 
 
-def _first(*values: float | None) -> float | None:
-    return next((value for value in values if value is not None), None)
-
-
 def _offset(rows: list[Row]) -> dict[str, dict[str, float | None]]:
     """Mean rate less the commanded one of the whole run [deg/h]."""
-    whole = "all" if any(row["segment"] == "all" for row in rows) else "1"
+    whole = whole_run(rows)
     found = {}
     for row in rows:
         value = real(row["difference_deg_h"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +12,8 @@ from fogreduce.pages import svg
 from fogreduce.pages.attention import first_of_each, names_of
 from fogreduce.pages.budget_bars import budget_bars
 from fogreduce.pages.flags import FLAGS, flag
-from fogreduce.pages.numbers import duration, number, plus_minus, rounding, size
-from fogreduce.pages.overview import overview, real, report
+from fogreduce.pages.numbers import count, duration, number, plus_minus, rounding, size
+from fogreduce.pages.overview import error_of, overview, real, report, whole_run
 from fogreduce.pages.rate_difference import rate_difference
 from fogreduce.pages.render import Crumb, page
 from fogreduce.pages.verdict import combined, verdict
@@ -65,7 +65,7 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
     tables = {name: read_rows(folder, name, version, raw_unit) for name in COLUMNS}
     figures, linked, left_out = _figures(folder, version, seen)
     rate_figure = rate_difference(folder, report(folder, "fit", version), seen)
-    rates = whole_first(tables["rates"])
+    drift, rates = whole_first(tables["drift"]), whole_first(tables["rates"])
     context = {
         "run": seen,
         "verdict": verdict(seen),
@@ -76,24 +76,25 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "facts": _facts(manifest, seen),
         "notes": manifest.run.get("notes"),
         "attention": first_of_each(seen["attention"]),
-        "drift": _drift_rows(whole_first(tables["drift"]), tables["rates"]),
+        "drift": _drift_rows(drift, rates),
         "rates": _rate_rows(rates),
-        "whole_rates": sum(is_whole(row, rates) for row in rates),
+        "whole_drift": sum(row["segment"] == whole_run(drift) for row in drift),
+        "whole_rates": sum(row["segment"] == whole_run(rates) for row in rates),
         "budget": budget_bars(tables["budget"]),
-        "flags": [flag(kind, value) for kind, value in seen["flagged"].items()],
+        "flags": [(flag(kind), count(times)) for kind, times in seen["flagged"].items()],
         "places": _places(folder, version),
         "unstable": tables["unstable"],
         "undetermined": _undetermined(tables),
         "rate_fit": _fit_rows(tables["rate_fit"], "axis", "deg_s", "deg_s2"),
         "gyro_fit": _fit_rows(tables["gyro_fit"], "gyro", raw_unit.suffix, raw_unit.slope_suffix),
         "raw_unit": raw_unit,
-        "noise": seen["noise"],
+        "noise": [(gyro, number(value, 3)) for gyro, value in seen["noise"].items()],
         "encoder": _encoder_rows(tables["encoder"]),
         "figures": figures,
         "linked": linked,
         "left_out": left_out,
         "calibration": _calibration(manifest),
-        "assumed": manifest.assumed,
+        "assumed": [(item.file, item.key, item.said) for item in manifest.assumed],
         "parameters": list(_flat(manifest.parameters)),
         "inputs": manifest.inputs,
         "software": manifest.software,
@@ -123,14 +124,10 @@ def _whole_run(seen: dict[str, Any]) -> list[dict[str, str]]:
     return rows
 
 
-def is_whole(row: Row, rows: Sequence[Row]) -> bool:
-    """Whether a row of drift.csv or rates.csv is of the whole run: of all segments, or of the only one."""
-    return row["segment"] == "all" or {other["segment"] for other in rows} == {"1"}
-
-
 def whole_first(rows: list[Row]) -> list[Row]:
     """Rows of the whole run before those of segments."""
-    return sorted(rows, key=lambda row: not is_whole(row, rows))
+    whole = whole_run(rows)
+    return sorted(rows, key=lambda row: row["segment"] != whole)
 
 
 def _facts(manifest: Manifest, seen: dict[str, Any]) -> list[tuple[str, str]]:
@@ -176,31 +173,25 @@ def table_text(overview: Mapping[str, Any]) -> str:
     return f"{overview['axis']}: {', '.join(shown)}\N{NO-BREAK SPACE}deg/s".replace("-", "−")
 
 
-def _drift_rows(rows: list[Row], rates: list[Row]) -> list[dict[str, Any]]:
-    """Drift with the difference of the mean rate, which drift leaves out."""
+def _drift_rows(rows: list[Row], rates: list[Row]) -> list[list[str]]:
+    """Axis, segment, drift, mean rate less commanded, length, angles and their errors."""
     offsets = {(row["axis"], row["segment"]): _difference(row) for row in rates}
-    size_deg_h = _largest_rate(rates) * SECONDS_PER_HOUR
+    size_deg_h, whole = _largest_rate(rates) * SECONDS_PER_HOUR, whole_run(rows)
     out = []
     for row in rows:
         values = {name: real(text) for name, text in row.items()}
-        drift_error = values["drift_err_coloured_deg_h"] or values["drift_err_deg_h"]
-        angle_error = values["accumulated_err_coloured_deg"] or values["accumulated_err_deg"]
         out.append(
-            {
-                "axis": row["axis"],
-                "whole": is_whole(row, rows),
-                "segment": "whole run" if is_whole(row, rows) else row["segment"],
-                "duration": duration(float(row["duration_s"])),
-                "nominal": number(values["nominal_deg"], 9),
-                "error": plus_minus(values["accumulated_error_deg"], angle_error),
-                "drift": plus_minus(values["drift_deg_h"], drift_error),
-                "stated": number(rounding(values["drift_err_stated_deg_h"], size_deg_h), 2),
-                "integral": plus_minus(
-                    values["integral_less_commanded_deg"],
-                    values["integral_err_coloured_deg"] or values["integral_err_deg"],
-                ),
-                "offset": offsets.get((row["axis"], row["segment"]), ""),
-            }
+            [
+                row["axis"],
+                "whole run" if row["segment"] == whole else row["segment"],
+                plus_minus(values["drift_deg_h"], error_of(row, "drift_", "deg_h")),
+                offsets.get((row["axis"], row["segment"]), ""),
+                duration(float(row["duration_s"])),
+                number(values["nominal_deg"], 9),
+                plus_minus(values["accumulated_error_deg"], error_of(row, "accumulated_", "deg")),
+                number(rounding(values["drift_err_stated_deg_h"], size_deg_h), 2),
+                plus_minus(values["integral_less_commanded_deg"], error_of(row, "integral_", "deg")),
+            ]
         )
     return out
 
@@ -218,7 +209,7 @@ def _largest_rate(rates: list[Row]) -> float:
 
 def _rate_rows(rows: list[Row]) -> list[list[str]]:
     """Axis, segment, measured, commanded, difference, sigma, ppm, the sine that is left, verdict."""
-    largest = _largest_rate(rows)
+    largest, whole = _largest_rate(rows), whole_run(rows)
     out = []
     for row in rows:
         values = {name: real(text) for name, text in row.items()}
@@ -227,7 +218,7 @@ def _rate_rows(rows: list[Row]) -> list[list[str]]:
         out.append(
             [
                 row["axis"],
-                "whole run" if is_whole(row, rows) else row["segment"],
+                "whole run" if row["segment"] == whole else row["segment"],
                 number(measured, 9),
                 number(wanted, 9),
                 plus_minus(difference, values["difference_err_deg_h"]),
@@ -272,8 +263,7 @@ def _fit_rows(rows: list[Row], name: str, unit: str, slope: str) -> list[list[st
     for row in rows:
         cells = [row[name], row["segment"]]
         for letter, of in (("a", unit), ("b", unit), ("d", "rad"), ("e", slope)):
-            error = real(row[f"{letter}_err_coloured_{of}"]) or real(row[f"{letter}_err_{of}"])
-            cells.append(plus_minus(real(row[f"{letter}_{of}"]), error))
+            cells.append(plus_minus(real(row[f"{letter}_{of}"]), error_of(row, f"{letter}_", of)))
         out.append([*cells, number(real(row[f"sigma_{unit}"]), 3), row["records"]])
     return out
 
@@ -307,7 +297,7 @@ def _places(folder: Path, version: str) -> list[dict[str, str]]:
     ]
     for kind, places in ingest["places"].items():
         where = ", ".join(f"{place['time_s']:.3f} s (record {place['record']})" for place in places)
-        out.append({"what": flag(kind, 0)[0], "where": where})
+        out.append({"what": flag(kind), "where": where})
     return [entry for entry in out if entry["where"]]
 
 

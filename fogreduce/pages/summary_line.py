@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from fogreduce.pages.numbers import number, plus_minus, signed
-from fogreduce.pages.overview import real
+from fogreduce.pages.overview import error_of, real, whole_run
 from fogreduce.stages.files import read_report
 from fogreduce.stages.read_table import Row
 from fogreduce.stages.read_tables import read_rows
@@ -29,12 +29,12 @@ def summary_line(setup: Setup, warnings: int) -> str:
 
 def _drift(rows: list[Row]) -> Iterable[str]:
     """Drift of each axis, over the whole run, with its coloured standard error where there is one."""
-    whole = [row for row in rows if row["segment"] == "all"] or rows
-    said = []
-    for row in whole:
-        errors = (real(row[f"drift_err_{of}deg_h"]) for of in ("coloured_", ""))
-        error = next((error for error in errors if error is not None), None)
-        said.append(f"{row['axis']} {plus_minus(real(row['drift_deg_h']), error) or 'none'}")
+    whole = whole_run(rows)
+    said = [
+        f"{row['axis']} {plus_minus(real(row['drift_deg_h']), error_of(row, 'drift_', 'deg_h')) or 'none'}"
+        for row in rows
+        if row["segment"] == whole
+    ]
     if said:
         yield "drift [deg/h] " + ", ".join(said)
 
