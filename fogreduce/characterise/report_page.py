@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from markupsafe import Markup
 
 from fogreduce.characterise import report_rows as rows
-from fogreduce.pages.numbers import duration, number, plus_minus
+from fogreduce.pages.numbers import number
 from fogreduce.pages.render import Crumb, page
 from fogreduce.pages.svg import whole
 
@@ -32,59 +30,14 @@ def report_page(document: rows.Document, in_results: bool = False) -> str:
         "alarms": rows.alarms(document),
         "hours": number(parity["hours"], 3),
         "expected": number(parity["false_alarms_expected"], 2),
-        "turns": turn_rows(document),
+        "turns": rows.turns(document),
         "windows": None if windows is None else _windows(windows),
-        "steadiest": "" if windows is None else steadiest(windows),
+        "steadiest": "" if windows is None else rows.steadiest(windows),
         "definitions": rows.definition_rows(document),
-        "runs": run_rows(document),
+        "runs": rows.runs(document),
     }
     crumbs = [Crumb(document["campaign"], "../index.html")] if in_results else []
     return page(TEMPLATE, f"Test report: {document['unit']}", context, crumbs)
-
-
-def turn_rows(document: rows.Document) -> list[dict[str, Any]]:
-    """Groups of runs of the same turn, as rows of text."""
-    return [
-        {
-            "profile": turn["profile"],
-            "rows": [
-                [run["run"], run["about"], *map(plus_minus, run["drift_deg_h"], run["drift_err_deg_h"])]
-                for run in turn["runs"]
-            ],
-            "effects": [
-                [part["part"], plus_minus(part["deg_h"], part["std_deg_h"])] for part in turn["effects"]
-            ],
-            "chi2": f"{turn['chi2']:.1f}",
-            "freedom": turn["degrees_of_freedom"],
-        }
-        for turn in document["same_turn"]
-    ]
-
-
-def run_rows(document: rows.Document) -> list[list[str]]:
-    """Runs as rows of text."""
-    return [
-        [
-            run["run"],
-            run["started_at"],
-            duration(run["duration_s"]),
-            rows.joined(run["rates_deg_s"]),
-            run["capture_sha256"][:16] + "…",
-        ]
-        for run in document["runs"]
-    ]
-
-
-def steadiest(windows: rows.Document) -> str:
-    """The longest steady window of each gyro, in words."""
-    words = []
-    for one in windows["gyros"]:
-        best = one["steadiest"]
-        if best is None:
-            words.append(f"{one['gyro']}: none")
-        else:
-            words.append(f"{one['gyro']}: {best['length_s']:.0f} s from {best['start_s']:.0f} s")
-    return "Longest steady window of each gyro: " + "; ".join(words) + "."
 
 
 def _windows(windows: rows.Document) -> Markup:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from fogreduce.characterise.definitions import DEFINITIONS
 from fogreduce.characterise.isolation import CLEAR
-from fogreduce.pages.numbers import number, plus_minus
+from fogreduce.pages.numbers import duration, number, plus_minus
 
 Document = Mapping[str, Any]
 
@@ -172,6 +172,46 @@ def responses(document: Document) -> list[list[str]]:
     ]
 
 
-def joined(values: Sequence[float]) -> str:
-    """Numbers side by side."""
-    return ", ".join(number(value) for value in values)
+def turns(document: Document) -> list[dict[str, Any]]:
+    """Groups of runs of the same turn, as rows of text."""
+    return [
+        {
+            "profile": turn["profile"],
+            "rows": [
+                [run["run"], run["about"], *map(plus_minus, run["drift_deg_h"], run["drift_err_deg_h"])]
+                for run in turn["runs"]
+            ],
+            "effects": [
+                [part["part"], plus_minus(part["deg_h"], part["std_deg_h"])] for part in turn["effects"]
+            ],
+            "chi2": f"{turn['chi2']:.1f}",
+            "freedom": turn["degrees_of_freedom"],
+        }
+        for turn in document["same_turn"]
+    ]
+
+
+def runs(document: Document) -> list[list[str]]:
+    """Runs as rows of text."""
+    return [
+        [
+            run["run"],
+            run["started_at"],
+            duration(run["duration_s"]),
+            ", ".join(map(number, run["rates_deg_s"])),
+            run["capture_sha256"][:16] + "…",
+        ]
+        for run in document["runs"]
+    ]
+
+
+def steadiest(windows: Document) -> str:
+    """The longest steady window of each gyro, in words."""
+    words = []
+    for one in windows["gyros"]:
+        best = one["steadiest"]
+        if best is None:
+            words.append(f"{one['gyro']}: none")
+        else:
+            words.append(f"{one['gyro']}: {best['length_s']:.0f} s from {best['start_s']:.0f} s")
+    return "Longest steady window of each gyro: " + "; ".join(words) + "."

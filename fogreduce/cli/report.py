@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
     from fogreduce.characterise.report_page import FOLDER, report_page
     from fogreduce.characterise.report_pdf import write_pdf
     from fogreduce.characterise.report_rows import verdict_line
-    from fogreduce.datasets.atomic import whole_file, write_text
+    from fogreduce.datasets.atomic import write_text
     from fogreduce.metadata.raw_folder import refuse_raw
     from fogreduce.stages.files import write_json
 
@@ -39,8 +39,7 @@ def run(args: argparse.Namespace) -> int:
     only = [name for name in args.only_runs.split(",") if name]
     document = report(args.campaign, args.calibrations, only, choices, limits)
     page = report_page(document, args.out.resolve().name == FOLDER)
-    with whole_file(args.out / "report.pdf") as path:
-        write_pdf(document, path)
+    write_pdf(document, args.out / "report.pdf")
     write_text(args.out / "index.html", page)
     write_json(args.out / "report.json", document)
     determined = sum(one["determined"] for one in document["quantities"])
