@@ -29,6 +29,8 @@ _MORE_PAGES = (
         "the calibration derived from it: a candidate record, which no result uses until a person names it",
     ),
 )
+#: A unit leads to the page of its calibration records.
+_UNIT_LINK = '<a href="../_units/{0}.html">{0}</a>'
 #: So many failed runs stand at the top; all stand in the table of runs.
 _MOST_FAILED = 10
 #: So many rows of the table are laid out at first, where the page's script can show the rest.
@@ -116,7 +118,7 @@ def _facts(gathered: Gathered) -> list[tuple[str, str]]:
             "Runs",
             f"{count(len(gathered.runs))}: {count(len(seen))} reduced, {count(len(gathered.failed))} failed",
         ),
-        ("Unit", _units(overview["unit"] for overview in seen)),
+        ("Unit", _several((overview["unit"] for overview in seen), _UNIT_LINK)),
         ("From, to", " to ".join(dict.fromkeys(date[:10] for date in (dates[:1] + dates[-1:])))),
         ("Calibration", _several(overview["calibration"] for overview in seen)),
         ("Operator", gathered.about.operator or ""),
@@ -135,23 +137,13 @@ def _assumed(reduced: Sequence[Entry]) -> list[tuple[str, str, str, str]]:
     return [(*item, count(times)) for item, times in counted.items()]
 
 
-def _several(names: Any) -> str:
-    """Names, with the number of runs where there are several."""
-    counted = Counter(names)
-    if len(counted) == 1:
-        return str(next(iter(counted)))
-    return ", ".join(f"{name} ({count(times)})" for name, times in sorted(counted.items()))
-
-
-def _units(names: Iterable[str]) -> str:
-    """Units, each leading to the page of its records, with the number of runs where there are several."""
+def _several(names: Iterable[str], form: str = "{0}") -> Markup:
+    """Names as `form` has them, with the number of runs where there are several."""
     counted = sorted(Counter(names).items())
-    links = [
-        Markup('<a href="../_units/{0}.html">{0}</a>').format(unit)
-        + (f" ({count(times)})" if len(counted) > 1 else "")
-        for unit, times in counted
-    ]
-    return Markup(", ").join(links)
+    return Markup(", ").join(
+        Markup(form).format(name) + (f" ({count(times)})" if len(counted) > 1 else "")
+        for name, times in counted
+    )
 
 
 def _versions(reduced: Sequence[Entry]) -> list[tuple[str, str, str]]:

@@ -42,6 +42,7 @@ FIGURES = {
 }
 #: Figures on the scale of what the table did: they show less than the rate less the commanded one.
 _LINKED = ("rates", "angles")
+_WHOLE = "whole\N{NO-BREAK SPACE}run"
 
 
 def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
@@ -183,7 +184,7 @@ def _drift_rows(rows: list[Row], rates: list[Row]) -> list[list[str]]:
         out.append(
             [
                 row["axis"],
-                "whole run" if row["segment"] == whole else row["segment"],
+                _WHOLE if row["segment"] == whole else row["segment"],
                 plus_minus(values["drift_deg_h"], error_of(row, "drift_", "deg_h")),
                 offsets.get((row["axis"], row["segment"]), ""),
                 duration(float(row["duration_s"])),
@@ -218,7 +219,7 @@ def _rate_rows(rows: list[Row]) -> list[list[str]]:
         out.append(
             [
                 row["axis"],
-                "whole run" if row["segment"] == whole else row["segment"],
+                _WHOLE if row["segment"] == whole else row["segment"],
                 number(measured, 9),
                 number(wanted, 9),
                 plus_minus(difference, values["difference_err_deg_h"]),
