@@ -45,5 +45,5 @@ def _difference(rows: list[Row]) -> Iterable[str]:
     if with_difference:
         worst = max(with_difference, key=lambda row: abs(float(row["difference_sigma"])))
         off = signed(number(float(worst["difference_deg_h"]), 3))
-        sigma = number(abs(float(worst["difference_sigma"])), 2)
+        sigma = number(abs(float(worst["difference_sigma"])), 3)
         yield f"off the command by {off} deg/h at most, {sigma} sigma ({worst['axis']})"
