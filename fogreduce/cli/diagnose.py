@@ -16,9 +16,7 @@ from fogreduce.errors import BadInput
 from fogreduce.metadata.raw_folder import refuse_raw
 
 if TYPE_CHECKING:
-    from fogreduce.diagnosis.diagnose import Diagnosis
-    from fogreduce.metadata.bench import Bench
-    from fogreduce.metadata.part import Part
+    pass
 
 _PROBABILITY, _SNR = 0.95, 10.0
 
@@ -147,6 +145,7 @@ def _diagnose(
     """One campaign; its verdict on standard output."""
     from fogreduce.cli.many import campaign_folders
     from fogreduce.diagnosis.diagnose import STEPS, diagnose
+    from fogreduce.diagnosis.next.verify import verified
     from fogreduce.diagnosis.report.words import announced, captures_in_words, in_detail
     from fogreduce.diagnosis.report.write import write
     from fogreduce.metadata.bench import Bench
@@ -159,7 +158,9 @@ def _diagnose(
         diagnosis = diagnose(campaign, args.calibrations, without, only, args.simulated, begin, bench, part)
         if args.verify_next:
             begin("verification")
-            _verify_next(diagnosis, campaign, without, only, args.calibrations, bench, part)
+            found = verified(diagnosis, campaign, args.calibrations, without, only, part)
+            if found is not None:
+                diagnosis.document["next_run"]["verified"] = found
         begin("page")
         write(diagnosis, out, load_campaign(campaign).label)
     for line in captures_in_words(diagnosis.document):
@@ -199,20 +200,3 @@ def _detectable(
     print(in_text(found), flush=True)
     if out is not None:
         write_detectable(found, out)
-
-
-def _verify_next(
-    diagnosis: Diagnosis,
-    campaign: Path,
-    without: Sequence[str],
-    only: Sequence[str],
-    calibrations: Path,
-    bench: Bench,
-    part: Part | None,
-) -> None:
-    """Add to the document what the proposed run would bring."""
-    from fogreduce.diagnosis.next.verify import verified
-
-    found = verified(diagnosis, campaign, calibrations, without, only, bench, part)
-    if found is not None:
-        diagnosis.document["next_run"]["verified"] = found

@@ -7,8 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from fogreduce.diagnosis.effects_file import entry, plain
 from fogreduce.diagnosis.how_far.by_cause import Share, shares
 from fogreduce.diagnosis.how_far.closure import Closure, Key, measured
 from fogreduce.diagnosis.how_far.remainder import Remainder, borne_out, remaining
@@ -20,15 +19,14 @@ from fogreduce.diagnosis.inference.search import Search
 from fogreduce.diagnosis.inference.significance import significance
 from fogreduce.diagnosis.inference.tension import tensions
 from fogreduce.diagnosis.inference.verdict import verdict_of_sets
-from fogreduce.diagnosis.next.design import proposed
+from fogreduce.diagnosis.next.design import NextRun, proposed
 from fogreduce.diagnosis.next.runs import ANY_BENCH
 from fogreduce.diagnosis.observe.assumptions import assumed
 from fogreduce.diagnosis.observe.data import Data, read_data
 from fogreduce.diagnosis.where import places as where
 from fogreduce.diagnosis.where.mistakes import mistakes
 from fogreduce.diagnosis.where.places import Place
-from fogreduce.effects.table import EFFECTS
-from fogreduce.errors import BadInput
+from fogreduce.effects.table import EFFECTS, catalogue
 from fogreduce.metadata.bench import Bench
 from fogreduce.metadata.part import Part
 
@@ -51,6 +49,8 @@ class Diagnosis:
     data, search, verdict : what it rests on
     places : list of Place
     closure : Closure or None
+    next_run : NextRun or None
+        None where no cause has rivals.
     """
 
     document: dict[str, Any]
@@ -60,6 +60,7 @@ class Diagnosis:
     verdict: Verdict
     places: list[Place]
     closure: Closure | None
+    next_run: NextRun | None
 
 
 def diagnose(
@@ -90,10 +91,7 @@ def diagnose(
     part : Part or None
         A data sheet: it fills in what the record does not state, and gives sizes their priors.
     """
-    for name in without:
-        if name not in EFFECTS:
-            raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
-    allowed = frozenset(EFFECTS) - frozenset(without)
+    allowed = catalogue(without)
     progress("reading")
     data = read_data(campaign, calibrations, only, simulated, part)
     progress("spectra")
@@ -138,12 +136,8 @@ def diagnose(
         "mistakes": mistakes(data, verdict.word, verdict.state.causes),
         "next_run": None if proposal is None else proposal.document,
     }
-    effects = [
-        {"effect": c.effect, "channels": list(c.channels), "runs": list(c.runs), "parameters": c.parameters()}
-        for c in verdict.state.causes
-        if not c.unlogged
-    ]
-    return Diagnosis(document, effects, data, search, verdict, found, closure)
+    effects = [entry(c) for c in verdict.state.causes if not c.unlogged]
+    return Diagnosis(document, effects, data, search, verdict, found, closure, proposal)
 
 
 def _places(search: Search) -> list[Place]:
@@ -238,14 +232,3 @@ def _remainder(left: Remainder) -> dict[str, Any]:
         "departure_of_shape": left.significant and not left.further,
         "where": where.document(left.shown) if left.shown else [],
     }
-
-
-def plain(value: Any) -> Any:
-    """Numbers of numpy as plain ones."""
-    if isinstance(value, dict):
-        return {key: plain(v) for key, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(v) for v in value]
-    if isinstance(value, np.generic):
-        return value.item()
-    return value

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from fogreduce.datasets.atomic import write_text
 from fogreduce.diagnosis import priors
+from fogreduce.diagnosis.effects_file import effects_text, entry
 from fogreduce.diagnosis.inference.causes import Cause
 from fogreduce.diagnosis.inference.evidence import WhitenedResidual
 from fogreduce.diagnosis.inference.findings import Finding
@@ -29,13 +30,10 @@ from fogreduce.diagnosis.where.places import Place
 from fogreduce.diagnosis.which.full_rate.statistics import FullRateStatistics
 from fogreduce.errors import BadInput
 from fogreduce.metadata.part import Part
-from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.simulate.campaign import write_campaign
 from fogreduce.simulate.plan import Options, prepare
 
 Array = NDArray[np.float64]
-
-EFFECTS_SCHEMA = "fogreduce/effects/1"
 
 
 @dataclass(frozen=True)
@@ -117,13 +115,9 @@ def _same(finding: Finding, place: Place) -> bool:
 
 def _simulated(source: Source, causes: Sequence[Cause], seed: int) -> Data:
     """Captures of all runs with the causes in them, read."""
-    entries = [
-        {"effect": c.effect, "channels": list(c.channels), "runs": list(c.runs), "parameters": c.parameters()}
-        for c in causes
-    ]
     with tempfile.TemporaryDirectory() as scratch:
         effects, made = Path(scratch) / "effects.yaml", Path(scratch) / source.campaign.resolve().name
-        write_text(effects, dump_yaml({"schema": EFFECTS_SCHEMA, "effects": entries}))
+        write_text(effects, effects_text([entry(c) for c in causes]))
         options = Options(effects_file=effects, seed=seed, only_runs=source.only, part=source.part)
         write_campaign(prepare(source.campaign, source.calibrations, options), made)
         return read_data(made, source.calibrations, source.only, part=source.part)

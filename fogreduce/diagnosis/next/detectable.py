@@ -19,7 +19,7 @@ from fogreduce.diagnosis.next.detectable_fast import fast_rows
 from fogreduce.diagnosis.next.detectable_row import Row
 from fogreduce.diagnosis.next.detectable_slow import slow_rows
 from fogreduce.diagnosis.observe.capture import read_inputs
-from fogreduce.effects.table import EFFECTS
+from fogreduce.effects.table import EFFECTS, catalogue
 from fogreduce.errors import BadInput
 from fogreduce.metadata.part import Part
 
@@ -57,10 +57,7 @@ def detectable(
         raise BadInput.at("--probability", "", found=probability, expected="0.5 or more, and less than 1")
     if not 1.0 <= snr <= 1e6:
         raise BadInput.at("--snr", "", found=snr, expected="1 to 1e6")
-    for name in without:
-        if name not in EFFECTS:
-            raise BadInput.at("--without", "", found=name, expected="an effect of the catalogue")
-    allowed = frozenset(EFFECTS) - frozenset(without)
+    allowed = catalogue(without)
     inputs = read_inputs(campaign, calibrations, only, need_capture=False, part=part)
     rows = [*slow_rows(inputs, allowed, probability, snr), *fast_rows(inputs, allowed, probability)]
     rows = [_within(row) for row in rows]

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from fogreduce.datasets.atomic import write_text
-from fogreduce.diagnosis.diagnose import Diagnosis, diagnose, plain
+from fogreduce.diagnosis.diagnose import Diagnosis, diagnose
+from fogreduce.diagnosis.effects_file import effects_text, entry
 from fogreduce.diagnosis.inference.causes import Cause
-from fogreduce.diagnosis.next.design import NextRun, proposed
-from fogreduce.diagnosis.next.runs import ANY_BENCH, RUN_ID, run_document, temperature, temperature_text
+from fogreduce.diagnosis.next.design import NextRun
+from fogreduce.diagnosis.next.runs import RUN_ID, run_document, temperature, temperature_text
 from fogreduce.diagnosis.report.words import in_words, named
 from fogreduce.errors import BadInput
-from fogreduce.metadata.bench import Bench
 from fogreduce.metadata.part import Part
 from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.simulate.campaign import write_campaign
@@ -27,7 +27,6 @@ from fogreduce.simulate.plan import Options, prepare
 from fogreduce.simulate.streams import stream
 
 _MOST_TRUTHS = 4
-EFFECTS_SCHEMA = "fogreduce/effects/1"
 
 
 def verified(
@@ -36,7 +35,6 @@ def verified(
     calibrations: Path,
     without: Sequence[str] = (),
     only: Sequence[str] = (),
-    bench: Bench = ANY_BENCH,
     part: Part | None = None,
 ) -> dict[str, Any] | None:
     """What `next_run` gets as ``verified``; None where no run is proposed.
@@ -46,7 +44,7 @@ def verified(
     diagnosis : Diagnosis
         Of the campaign's captures.
     campaign, calibrations : Path
-    without, only, bench, part :
+    without, only, part :
         As it was made.
 
     Returns
@@ -55,7 +53,7 @@ def verified(
         ``separated``: whether every rival that the run is to separate was found when it was the truth, and
         no other of them with it; ``truths``: for each, what the second diagnosis said.
     """
-    best = proposed(diagnosis.search, diagnosis.verdict, bench)
+    best = diagnosis.next_run
     if best is None:
         return None
     if (campaign / "runs" / RUN_ID).exists():
@@ -112,13 +110,8 @@ def _campaign(
     write_text(here / "run.yaml", dump_yaml(run_document(inputs[0].run, best.proposal, log is not None)))
     if log is not None:
         write_text(here / "temperature.csv", temperature_text(log))
-    entries = [
-        {"effect": c.effect, "channels": list(c.channels), "runs": [RUN_ID], "parameters": c.parameters()}
-        for c in causes
-        if c.runs == ("*",) and not c.unlogged
-    ]
-    effects = {"schema": EFFECTS_SCHEMA, "effects": plain(entries + _new_in_the_run(diagnosis))}
-    write_text(scratch / "effects.yaml", dump_yaml(effects))
+    entries = [entry(c, [RUN_ID]) for c in causes if c.runs == ("*",) and not c.unlogged]
+    write_text(scratch / "effects.yaml", effects_text(entries + _new_in_the_run(diagnosis)))
     options = Options(effects_file=scratch / "effects.yaml", seed=0, part=inputs[0].part)
     write_campaign(prepare(plan_folder, calibrations, options), made)
     for one in inputs:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 
 from fogreduce.pages.style import cards, policy, style
@@ -30,11 +30,9 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f'<div class="scroll" tabindex="0"><table{cards(head)}>{body}</table></div>'
 
 
-def both(name: str, broad: Mapping[str, str], slim: Mapping[str, str]) -> str:
-    """A figure as a screen shows it and as a phone does; nothing where there is none of that name."""
-    if name not in broad:
-        return ""
-    return f'<div class="broad">{broad[name]}</div><div class="slim">{slim[name]}</div>'
+def both(broad: str, slim: str) -> str:
+    """A figure as a screen shows it and as a phone does."""
+    return f'<div class="broad">{broad}</div><div class="slim">{slim}</div>'
 
 
 def items(lines: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ from html import escape
 from typing import Any
 
 from fogreduce.diagnosis.diagnose import Diagnosis
-from fogreduce.diagnosis.next.runs import RUN_ID, Proposal, run_document, temperature, temperature_text
+from fogreduce.diagnosis.next.runs import RUN_ID, run_document, temperature, temperature_text
 from fogreduce.diagnosis.report.html import table
 from fogreduce.diagnosis.report.words import percent, titled_name
 from fogreduce.metadata.yaml12 import dump_yaml
@@ -22,23 +22,15 @@ _SOAK = "# temperature.csv is the plan: the logger's file takes its place.\n"
 
 def files(diagnosis: Diagnosis) -> dict[str, str]:
     """Texts by file name; none where no run is proposed."""
-    found = diagnosis.document["next_run"]
-    if found is None:
+    if diagnosis.next_run is None:
         return {}
-    inputs, proposal = diagnosis.data.inputs, _proposal(found)
+    inputs, proposal = diagnosis.data.inputs, diagnosis.next_run.proposal
     log = temperature(inputs, proposal)
     head = _HEAD + (_SOAK if log is not None else "")
     out = {RUN_FILE: head + dump_yaml(run_document(inputs[0].run, proposal, log is not None))}
     if log is not None:
         out[TEMPERATURE_FILE] = temperature_text(log)
     return out
-
-
-def _proposal(found: Mapping[str, Any]) -> Proposal:
-    axis, step = found["table"]["axis"], found["table"]["profile"][0]
-    planned = found.get("temperature", [])
-    warmer = planned[-1]["sensor_degC"] - planned[0]["sensor_degC"] if planned else 0.0
-    return Proposal(axis, found["orientation"][axis], step["rate_deg_s"], step["duration_s"], warmer)
 
 
 def motion(found: Mapping[str, Any]) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from fogreduce.diagnosis.diagnose import Diagnosis
 from fogreduce.diagnosis.observe.capture import SLOWEST_HZ
 from fogreduce.diagnosis.report import next_run
-from fogreduce.diagnosis.report.html import both, document, items, table
+from fogreduce.diagnosis.report.html import document, items, table
 from fogreduce.diagnosis.report.stale import way_out
 from fogreduce.diagnosis.report.words import (
     captures_in_words,
@@ -40,8 +40,7 @@ _STAGES = {
 
 def page(
     diagnosis: Diagnosis,
-    drawn: Mapping[str, str],
-    slim: Mapping[str, str],
+    shown: Mapping[str, str],
     proposed: Mapping[str, str],
     label: str | None = None,
     in_results: bool = False,
@@ -51,8 +50,8 @@ def page(
     Parameters
     ----------
     diagnosis : Diagnosis
-    drawn, slim : mappings
-        Figures for a screen and for a phone.
+    shown : mapping
+        Figures by file name, as HTML.
     proposed : mapping
         Files of the next run (`next_run.files`).
     label : str or None
@@ -69,16 +68,16 @@ def page(
     parts.append(_summary(d, in_results))
     if d["next_run"] is not None:
         parts.append(next_run.section(d["next_run"], proposed))
-    parts.append(_before_and_after(d, drawn, slim))
+    parts.append(_before_and_after(d, shown))
     if d["where"]:
-        parts.append(_where(drawn, slim))
+        parts.append(_where(shown))
     if d["causes"]:
-        parts.append(_which(d, drawn, slim))
+        parts.append(_which(d, shown))
     if d["closure"] is not None and d["causes"]:
-        parts.append(_closure(d["closure"], drawn, slim))
-        parts.append(_by_cause(d, drawn, slim))
+        parts.append(_closure(d["closure"], shown))
+        parts.append(_by_cause(d, shown))
     if d["verdict"] != "no_gap":
-        parts.append(_remains(d, drawn, slim))
+        parts.append(_remains(d, shown))
     parts.append(_tension(d))
     parts.append(_left_out(diagnosis))
     parts.append(_assumed(d))
@@ -179,7 +178,7 @@ def _cause(cause: Mapping[str, Any], d: Mapping[str, Any]) -> str:
     )
 
 
-def _before_and_after(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
+def _before_and_after(d: Mapping[str, Any], shown: Mapping[str, str]) -> str:
     words = (
         "Means over short blocks, one run after the other. What the calibration record leaves open (scale "
         "factors, biases, axes, headings, turn-on biases) is taken off first, at its most probable: it is no "
@@ -193,23 +192,23 @@ def _before_and_after(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapp
         words += "No cause was found, so there is no line for after."
     return (
         f"<h2>Measured less predicted</h2><p>{words}</p>"
-        + both("gap-gyros.svg", drawn, slim)
-        + both("gap-xyz.svg", drawn, slim)
+        + shown.get("gap-gyros.svg", "")
+        + shown.get("gap-xyz.svg", "")
     )
 
 
-def _where(drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
+def _where(shown: Mapping[str, str]) -> str:
     return (
         "<h2>Where</h2><p>No cause is assumed here. <em>Sigma</em>: by how many times its expected scatter "
         "a place is off; up to 4 may be chance, and less than that is not shown. The row <em>table</em> is "
         "what all gyros show alike, as a true rotation would.</p>"
-        + both("where.svg", drawn, slim)
+        + shown.get("where.svg", "")
         + "<p>Parts of the whole gap:</p>"
-        + both("share.svg", drawn, slim)
+        + shown.get("share.svg", "")
     )
 
 
-def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
+def _which(d: Mapping[str, Any], shown: Mapping[str, str]) -> str:
     rows = [
         [
             escape(titled(c)),
@@ -226,7 +225,7 @@ def _which(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, st
         text += " Of a group that these runs cannot tell apart, its most probable member."
     text += "</p>" + table(("cause", "probability", "size", "what it does"), rows)
     text += '<p class="quiet">M_i: what gyro i reads; t: time since the run began.</p>'
-    return text + both("causes.svg", drawn, slim)
+    return text + shown.get("causes.svg", "")
 
 
 def _formula(cause: Mapping[str, Any]) -> str:
@@ -240,30 +239,30 @@ def _does(cause: Mapping[str, Any]) -> str:
     return f"{who} {effect.words or effect.title}"
 
 
-def _closure(closure: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
+def _closure(closure: Mapping[str, Any], shown: Mapping[str, str]) -> str:
     placebo = ""
     if "placebo_fraction" in closure:
         placebo = " A wrong effect, fitted just as hard, should close nothing."
     return (
         "<h2>How far the gap closes</h2><p>The simulator was run again with the causes in it and held "
         f"against data that the fit had not seen ({escape(closure['held_out'])}).{placebo}</p>"
-        f"{both('closure.svg', drawn, slim)}"
+        f"{shown.get('closure.svg', '')}"
         f"<p>In numbers: {closure['before']:.1f} before, {closure['after']:.1f} after, "
         f"{closure['expected_if_closed']:.1f} expected if nothing were left "
         f'<span class="quiet">({escape(closure["measure"])})</span>.</p>'
     )
 
 
-def _by_cause(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
+def _by_cause(d: Mapping[str, Any], shown: Mapping[str, str]) -> str:
     """What each kind of cause closes, where there are several causes; it opens into its gyros and runs."""
-    if "waterfall.svg" not in drawn:
+    if "waterfall.svg" not in shown:
         return ""
     closure = d["closure"]
     text = (
         "<h2>Kind by kind</h2><p>The simulator with one kind of cause after the other in it, the one that "
         "closes most first; each bar is what it takes away, in per cent of the gap. The broken line is what "
         "noise and stated uncertainties make: down to there a gap is closed, and chance may lead a little "
-        "beyond. A kind opens into its gyros and runs.</p>" + both("waterfall.svg", drawn, slim)
+        "beyond. A kind opens into its gyros and runs.</p>" + shown.get("waterfall.svg", "")
     )
     for kind in closure["kinds"]:
         mine = sorted(
@@ -310,7 +309,7 @@ def _tension(d: Mapping[str, Any]) -> str:
     )
 
 
-def _remains(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, str]) -> str:
+def _remains(d: Mapping[str, Any], shown: Mapping[str, str]) -> str:
     left = d["remainder"]
     text = "<h2>What remains</h2>"
     if not left["significant"] and not left["where"]:
@@ -332,8 +331,8 @@ def _remains(d: Mapping[str, Any], drawn: Mapping[str, str], slim: Mapping[str, 
         [escape(place(p)), _STAGES[p["stage"]], f"{p['sigma']:.1f}"] for p in (left["where"] or d["where"])
     ]
     text += table(("where", "how", "sigma"), rows)
-    if "left-gyros.svg" in drawn:
-        text += "<p>The blue lines of above, each at its own scale:</p>" + both("left-gyros.svg", drawn, slim)
+    if "left-gyros.svg" in shown:
+        text += "<p>The blue lines of above, each at its own scale:</p>" + shown.get("left-gyros.svg", "")
     return text + _kin(d["resembles"])
 
 

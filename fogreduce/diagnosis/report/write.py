@@ -6,14 +6,14 @@ import json
 from pathlib import Path
 
 from fogreduce.datasets.atomic import write_text
-from fogreduce.diagnosis.diagnose import Diagnosis, plain
+from fogreduce.diagnosis.diagnose import Diagnosis
+from fogreduce.diagnosis.effects_file import effects_text, plain
 from fogreduce.diagnosis.report import next_run
 from fogreduce.diagnosis.report.figures import figures
+from fogreduce.diagnosis.report.html import both
 from fogreduce.diagnosis.report.page import page
-from fogreduce.metadata.yaml12 import dump_yaml
 from fogreduce.pages.svg import SLIM
 
-EFFECTS_SCHEMA = "fogreduce/effects/1"
 DIAGNOSIS, SIMULATOR, PAGE, FIGURES = "diagnosis.json", "simulator.yaml", "index.html", "figures"
 #: The folder that the workflow gives a diagnosis, beside the pages of campaign and runs.
 RESULTS = "_diagnosis"
@@ -24,7 +24,7 @@ def write(diagnosis: Diagnosis, out: Path, label: str | None = None) -> None:
 
     A run that an earlier diagnosis proposed there is taken away.
     """
-    drawn, proposed = figures(diagnosis), next_run.files(diagnosis)
+    drawn, slim, proposed = figures(diagnosis), figures(diagnosis, SLIM), next_run.files(diagnosis)
     for name, text in drawn.items():
         write_text(out / FIGURES / name, text)
     for name in (next_run.RUN_FILE, next_run.TEMPERATURE_FILE):
@@ -32,9 +32,8 @@ def write(diagnosis: Diagnosis, out: Path, label: str | None = None) -> None:
             write_text(out / name, proposed[name])
         else:
             (out / name).unlink(missing_ok=True)
-    page_text = page(diagnosis, drawn, figures(diagnosis, SLIM), proposed, label, out.name == RESULTS)
-    write_text(out / PAGE, page_text)
-    effects = {"schema": EFFECTS_SCHEMA, "effects": plain(diagnosis.effects)}
-    write_text(out / SIMULATOR, dump_yaml(effects))
+    shown = {name: both(text, slim[name]) for name, text in drawn.items()}
+    write_text(out / PAGE, page(diagnosis, shown, proposed, label, out.name == RESULTS))
+    write_text(out / SIMULATOR, effects_text(diagnosis.effects))
     document = json.dumps(plain(diagnosis.document), indent=1, allow_nan=False, ensure_ascii=False)
     write_text(out / DIAGNOSIS, document + "\n")
