@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ def report(
     quantities = quantities_of(found, choices, swung, needs)
     steady = {one.facts.run_id for one in found.readings}
     runs = [*found.readings, *(one for one in swings if one.facts.run_id not in steady)]
-    return {
+    document = {
         "schema": SCHEMA,
         "campaign": campaign.resolve().name,
         "unit": facts.unit,
@@ -57,13 +58,14 @@ def report(
         "runs": [_run(one, campaign) for one in runs],
         "definitions": choices.model_dump(mode="json"),
         "limits": None if limits is None else limits.model_dump(mode="json", exclude_none=True),
-        "quantities": [_plain(one, limits) for one in quantities],
+        "quantities": [_quantity(one, limits) for one in quantities],
         "response": [line for one in swung for line in _response(one)],
         "left_out": _left_out(found),
         "parity": _parity(found, choices),
         "same_turn": _same_turn(found),
         "windows": _windows(found),
     }
+    return {key: _plain(value) for key, value in document.items()}
 
 
 def _run(one: Any, campaign: Path) -> dict[str, Any]:
@@ -76,7 +78,7 @@ def _run(one: Any, campaign: Path) -> dict[str, Any]:
     }
 
 
-def _plain(one: Quantity, limits: Limits | None) -> dict[str, Any]:
+def _quantity(one: Quantity, limits: Limits | None) -> dict[str, Any]:
     definition = DEFINITIONS[one.name]
     outcome = None if limits is None else verdict(one, limits)
     return {
@@ -103,11 +105,7 @@ def _response(one: Swung) -> list[dict[str, Any]]:
         {
             "run": one.run.facts.run_id,
             "gyro": f"gyro{one.gyro + 1}",
-            "frequency_hz": line.frequency_hz,
-            "gain": line.gain,
-            "gain_std": line.gain_std,
-            "phase_deg": _number(line.phase_deg),
-            "phase_std_deg": _number(line.phase_std_deg),
+            **asdict(line),
         }
         for line in response_lines(one)
     ]
@@ -123,10 +121,10 @@ def _left_out(found: Derivation) -> list[dict[str, Any]]:
             "run": longest.facts.run_id,
             "segment": one.segment,
             "without": "none" if one.gyro is None else f"gyro{one.gyro + 1}",
-            "variance_trace": _number(one.trace),
-            "noise_deg_sqrt_h": [_number(value) for value in one.noise_deg_sqrt_h.tolist()],
-            "drift_deg_h": [_number(value) for value in one.drift_deg_h.tolist()],
-            "drift_err_deg_h": [_number(value) for value in one.drift_err_deg_h.tolist()],
+            "variance_trace": one.trace,
+            "noise_deg_sqrt_h": one.noise_deg_sqrt_h,
+            "drift_deg_h": one.drift_deg_h,
+            "drift_err_deg_h": one.drift_err_deg_h,
         }
         for one in each_left_out(longest, found.noise)
     ]
@@ -153,7 +151,7 @@ def _alarm(alarm: Alarm) -> dict[str, Any]:
         "size": alarm.size,
         "gyro": None if alarm.gyro is None else f"gyro{alarm.gyro + 1}",
         "isolated_by": alarm.isolated_by,
-        "evidence": [{"by": one.by, "odds": one.odds.tolist(), "says": one.says} for one in alarm.evidence],
+        "evidence": [asdict(one) for one in alarm.evidence],
     }
 
 
@@ -165,15 +163,8 @@ def _same_turn(found: Derivation) -> list[dict[str, Any]]:
         {
             "profile": one.profile,
             "runs": [
-                {
-                    "run": run,
-                    "about": about,
-                    "drift_deg_h": [_number(value) for value in drift],
-                    "drift_err_deg_h": [_number(value) for value in error],
-                }
-                for run, about, drift, error in zip(
-                    one.runs, one.about, one.drift.tolist(), one.error.tolist(), strict=True
-                )
+                {"run": run, "about": about, "drift_deg_h": drift, "drift_err_deg_h": error}
+                for run, about, drift, error in zip(one.runs, one.about, one.drift, one.error, strict=True)
             ],
             "effects": [
                 {"part": part.words, "deg_h": part.value, "std_deg_h": part.error} for part in one.effects
@@ -198,10 +189,10 @@ def _windows(found: Derivation) -> dict[str, Any] | None:
         gyros.append(
             {
                 "gyro": f"gyro{i + 1}",
-                "start_s": seen.start_s.tolist(),
-                "length_s": seen.length_s.tolist(),
-                "drift_deg_h_per_h": [[_number(v) for v in row] for row in seen.drift_deg_h_per_h.tolist()],
-                "error": seen.error.tolist(),
+                "start_s": seen.start_s,
+                "length_s": seen.length_s,
+                "drift_deg_h_per_h": seen.drift_deg_h_per_h,
+                "error": seen.error,
                 "steadiest": None
                 if seen.steadiest is None
                 else {"start_s": seen.steadiest[0], "length_s": seen.steadiest[1]},
@@ -210,5 +201,12 @@ def _windows(found: Derivation) -> dict[str, Any] | None:
     return {"run": longest.facts.run_id, "gyros": gyros} if gyros else None
 
 
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+def _plain(value: Any) -> Any:
+    """Arrays as lists; a number that is none as None."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list | np.ndarray):
+        return [_plain(one) for one in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
