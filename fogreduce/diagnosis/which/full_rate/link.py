@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from fogreduce.diagnosis.inference.evidence import log_mean_exp
 from fogreduce.diagnosis.inference.findings import Finding
 from fogreduce.diagnosis.observe.full_rate import MOST_BITS, NORMAL, FullRate
 from fogreduce.effects.gyro_names import gyro_name
+from fogreduce.physics.special import normal_deviate
 
 Array = NDArray[np.float64]
 
@@ -129,7 +129,7 @@ def _equal(scatter: float, noise: float) -> float:
     if scatter > _MANY_STEPS:
         # the scatter is told from the median of the differences that are not 0
         equal = 1.0 / (scatter * np.sqrt(2.0 * np.pi))
-        between = scatter / NORMAL / float(ndtri(0.75 + 0.25 * equal))
+        between = scatter / NORMAL / normal_deviate(0.75 + 0.25 * equal)
     return float(min(1.0 / (between * np.sqrt(2.0 * np.pi)), 0.5))
 
 
