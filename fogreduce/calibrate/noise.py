@@ -52,8 +52,7 @@ def gyro_noise(readings: Sequence[Readings], gyro: int) -> GyroNoise:
     allan = []
     for one in readings:
         left = _residual_deg_h(one, gyro)
-        next_to = (np.diff(one.place) == 1) & (np.diff(one.segment) == 0)
-        steps = np.diff(left)[next_to & np.isfinite(np.diff(left))]
+        steps = steps_between(one, left)
         squares += float(np.sum(steps**2)) * one.bin_s / 2
         differences += steps.size
         allan.append((allan_variance(_with_holes(one, left), one.bin_s), one.bin_s))
@@ -71,6 +70,13 @@ def gyro_noise(readings: Sequence[Readings], gyro: int) -> GyroNoise:
     found = fit_noise(tau, variance, freedom)
     walk_deg_h_sqrt_h = float(np.sqrt(found.walk * SECONDS_PER_HOUR))
     return GyroNoise(float(white), float(np.sqrt(found.flicker)), walk_deg_h_sqrt_h, stated=False)
+
+
+def steps_between(one: Readings, values: Array) -> Array:
+    """Differences of values (m,) in neighbouring bins of a segment, as far as both are there."""
+    next_to = (np.diff(one.place) == 1) & (np.diff(one.segment) == 0)
+    steps = np.diff(values)
+    return steps[next_to & np.isfinite(steps)]
 
 
 def _of_samples(readings: Sequence[Readings], gyro: int, of_bins: float, differences: float) -> float:

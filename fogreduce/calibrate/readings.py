@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.swings import swing_in
-from fogreduce.constants import MICROSECONDS_PER_SECOND
+from fogreduce.constants import MICROSECONDS_PER_SECOND, SECONDS_PER_HOUR
 from fogreduce.datasets.flags import UNUSABLE_RECORD
 from fogreduce.datasets.logs import TemperatureLog
 from fogreduce.datasets.readers.contradictions import open_run_capture
@@ -97,6 +97,14 @@ class Readings:
     temperature: Array | None
     electronics: Array | None
     warming: Array | None
+
+
+def residual_rates(one: Readings) -> Array:
+    """What the gyros read beyond table and Earth by the record, (n, m) [deg/h]."""
+    facts = one.facts
+    rates = (one.raw - facts.bias[:, None]) / facts.scale_factor[:, None] - facts.axes @ one.motion
+    found: Array = rates * SECONDS_PER_HOUR
+    return found
 
 
 def read_campaign(campaign: Path, calibrations: Path, only: Sequence[str] = ()) -> list[Readings]:

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
+from fogreduce.calibrate.noise import steps_between
+from fogreduce.calibrate.readings import residual_rates
 from fogreduce.characterise.allan_channel import channel_of
 from fogreduce.characterise.allan_fit import NOISES, Coefficient
-from fogreduce.characterise.parity import residual_rates
 from fogreduce.characterise.quantity import K95, Quantity, normal, undetermined
 from fogreduce.characterise.stretch import Stretch, longest_stretch
 from fogreduce.estimate.coloured import FLICKER_FLAT
@@ -41,9 +42,7 @@ def _angle_random_walk(found: Derivation, gyro: int, of: str) -> Quantity:
     """From differences of neighbouring bins, the flat of flicker taken away."""
     squares, count = 0.0, 0
     for one in found.readings:
-        residual = residual_rates(one)[gyro]
-        next_to = (np.diff(one.place) == 1) & (np.diff(one.segment) == 0)
-        steps = np.diff(residual)[next_to & np.isfinite(np.diff(residual))]
+        steps = steps_between(one, residual_rates(one)[gyro])
         flicker = FLICKER_FLAT * found.noise[gyro].flicker_deg_h ** 2
         squares += float(np.sum(steps**2 / 2 - flicker)) * one.bin_s
         count += steps.size

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.noise import GyroNoise
-from fogreduce.calibrate.readings import Readings
+from fogreduce.calibrate.readings import Readings, residual_rates
 from fogreduce.characterise.cusum import level_changes, scatter_changes
 from fogreduce.characterise.isolation import (
     OWN_NOISE,
@@ -95,32 +95,27 @@ class Alarm:
         return isolated(self.evidence)[1]
 
 
-@dataclass(frozen=True)
-class _Level:
-    """Mean parity of a segment: (n - 3,), its standard deviations, the mean motion [deg/s] (3,)."""
-
-    mean: Array
-    spread: Array
-    motion: Array
-
-
 def check_campaign(
     readings: Sequence[Readings], noise: list[GyroNoise], false_alarms_per_hour: float = 0.01
 ) -> list[Alarm]:
     """All alarms of all runs; what is off from the start is held against every run together."""
     if readings[0].facts.n_gyros < 4:
         return []
-    alarms, levels = [], []
+    alarms: list[Alarm] = []
+    levels, spreads, motions = [], [], []
     for one in readings:
         stated = StatedErrors.of(one.run, one.record)
         alarms += check_run(one, noise, stated, false_alarms_per_hour)
-        levels += [_level(one, noise, stated, inside)[0] for inside in _segments(one)]
+        for inside in _segments(one):
+            mean, allowed, _ = _mean_parity(one, noise, stated, inside)
+            levels.append(mean[0])
+            spreads.append(math.sqrt(allowed[0, 0]))
+            motions.append(one.motion[:, inside].mean(axis=1))
     rows = parity_vectors(readings[0].facts.axes)
     if len(rows) > 1 or not any(alarm.check == "level" for alarm in alarms):
         return alarms
-    mean, spread = (np.array([getattr(one, name)[0] for one in levels]) for name in ("mean", "spread"))
-    motion = np.array([one.motion for one in levels])
-    more = by_all_runs(mean, spread, motion, readings[0].facts.axes, rows[0])
+    axes = readings[0].facts.axes
+    more = by_all_runs(np.array(levels), np.array(spreads), np.array(motions), axes, rows[0])
     return [
         replace(alarm, evidence=(*alarm.evidence, more)) if alarm.check == "level" else alarm
         for alarm in alarms
@@ -161,14 +156,6 @@ def _segments(one: Readings) -> list[NDArray[np.intp]]:
     return [inside for inside in found if inside.size >= _FEWEST]
 
 
-def residual_rates(one: Readings) -> Array:
-    """What the gyros read beyond table and Earth by the record, (n, m) [deg/h]."""
-    facts = one.facts
-    rates = (one.raw - facts.bias[:, None]) / facts.scale_factor[:, None] - facts.axes @ one.motion
-    found: Array = rates * SECONDS_PER_HOUR
-    return found
-
-
 def bin_sigma(one: Readings, noise: list[GyroNoise]) -> Array:
     """White noise of each gyro's bin means, (n, m) [deg/h]."""
     white = np.array([60 * each.white_deg_sqrt_h for each in noise]) / math.sqrt(one.bin_s)
@@ -177,10 +164,10 @@ def bin_sigma(one: Readings, noise: list[GyroNoise]) -> Array:
     return found
 
 
-def _level(
+def _mean_parity(
     one: Readings, noise: list[GyroNoise], stated: StatedErrors, inside: NDArray[np.intp]
-) -> tuple[_Level, Array, Array]:
-    """Mean parity of a segment, what is stated of it (covariance), and the variance of each gyro's mean."""
+) -> tuple[Array, Array, Array]:
+    """Mean parity (n - 3,) of a segment, its covariance as stated, and the variances (n,) of gyros' means."""
     rows = parity_vectors(one.facts.axes)
     mean = rows @ residual_rates(one)[:, inside].mean(axis=1)
     departures = gyro_departures(one.facts, stated, one.time_s[inside]).mean(axis=2) * SECONDS_PER_HOUR
@@ -190,23 +177,22 @@ def _level(
     octaves = max(math.log(1e5 / (inside.size * one.bin_s)), 1.0) / math.pi
     of_noise = sigma**2 / inside.size + flicker**2 * octaves
     allowed = rows @ (departures.T @ departures + np.diag(of_noise)) @ rows.T
-    level = _Level(mean, np.sqrt(np.diag(allowed)), one.motion[:, inside].mean(axis=1))
-    return level, allowed, np.diag(departures.T @ departures) + of_noise
+    return mean, allowed, np.diag(departures.T @ departures) + of_noise
 
 
 def _levels(
     one: Readings, noise: list[GyroNoise], stated: StatedErrors, inside: NDArray[np.intp]
 ) -> list[Alarm]:
     """The mean parity of a segment against what is stated."""
-    level, allowed, spread = _level(one, noise, stated, inside)
-    square = float(level.mean @ np.linalg.solve(allowed, level.mean))
+    mean, allowed, variance = _mean_parity(one, noise, stated, inside)
+    square = float(mean @ np.linalg.solve(allowed, mean))
     chance = LEVEL_CHANCE / max(1, int(one.segment[-1]) + 1)
-    if log_chi2_tail(square, len(level.mean)) > math.log(chance):
+    if log_chi2_tail(square, len(mean)) > math.log(chance):
         return []
-    evidence = by_known_motion(residual_rates(one)[:, inside].mean(axis=1), spread)
+    evidence = by_known_motion(residual_rates(one)[:, inside].mean(axis=1), variance)
     what = "parity is off from the start: a bias, a scale factor, an axis, or a dead gyro"
     start, stop = float(one.time_s[inside[0]]), float(one.time_s[inside[-1]])
-    size = float(np.linalg.norm(level.mean))
+    size = float(np.linalg.norm(mean))
     return [Alarm(one.facts.run_id, "level", what, start, stop, size, (evidence,))]
 
 
@@ -237,8 +223,8 @@ def _steps(
             ]
             what = "parity steps: a bias or a scale factor changed"
             since, noticed = float(one.time_s[start]), float(one.time_s[inside[change.alarm]])
-            known = tuple(each for each in evidence if each is not None)
-            alarms.append(Alarm(one.facts.run_id, "step", what, since, noticed, change.size, known))
+            found = tuple(each for each in evidence if each is not None)
+            alarms.append(Alarm(one.facts.run_id, "step", what, since, noticed, change.size, found))
     return alarms
 
 

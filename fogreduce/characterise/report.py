@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from fogreduce.calibrate.derive import Derivation, derive
+from fogreduce.calibrate.readings import residual_rates
 from fogreduce.calibrate.swings import read_swings
 from fogreduce.characterise.axes import same_turns
 from fogreduce.characterise.bandwidth import Swung, response_lines, swung_gyros
 from fogreduce.characterise.definitions import DEFINITIONS, Definitions
 from fogreduce.characterise.left_out import each_left_out
 from fogreduce.characterise.limits import Limits, verdict
-from fogreduce.characterise.parity import Alarm, check_campaign, residual_rates
+from fogreduce.characterise.parity import Alarm, check_campaign
 from fogreduce.characterise.quantities import quantities_of
 from fogreduce.characterise.quantity import Quantity
 from fogreduce.characterise.temperature import steady_windows

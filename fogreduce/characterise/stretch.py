@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
-from fogreduce.calibrate.readings import Readings
-from fogreduce.characterise.parity import residual_rates
+from fogreduce.calibrate.readings import Readings, residual_rates
 
 Array = NDArray[np.float64]
 

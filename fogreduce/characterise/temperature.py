@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from fogreduce.calibrate.derive import Derivation
 from fogreduce.calibrate.noise import covariance
-from fogreduce.calibrate.readings import Readings
+from fogreduce.calibrate.readings import Readings, residual_rates
 from fogreduce.calibrate.shapes import Shape
 from fogreduce.characterise.definitions import Definitions
-from fogreduce.characterise.parity import residual_rates
 from fogreduce.characterise.quantity import K95, Quantity, normal, undetermined
 from fogreduce.constants import SECONDS_PER_HOUR
 
