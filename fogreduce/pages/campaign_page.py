@@ -193,7 +193,7 @@ def _cell(overview: dict[str, Any], column: dict[str, str]) -> Cell:
     kind = column["kind"]
     if kind == "noise":
         value = max(overview["noise"].values(), default=None)
-        text = number(value, 3)
+        text = number(value, 3, noughts=True)
     elif kind == "temperature":
         value = (overview["temperature"] or {}).get("mean")
         text = "" if value is None else minus_signs(f"{value:.2f}")

@@ -41,11 +41,11 @@ def rounding(value: float | None, of: float) -> float | None:
     return 0.0 if value is not None and abs(value) < _ROUNDINGS * sys.float_info.epsilon * of else value
 
 
-def number(value: float | None, digits: int = 4) -> str:
-    """A number to so many significant digits; empty for None and NaN."""
+def number(value: float | None, digits: int = 4, *, noughts: bool = False) -> str:
+    """A number to so many significant digits, noughts at its end too where asked; empty for None and NaN."""
     if value is None or not math.isfinite(value):
         return ""
-    text = f"{value:.{digits}g}"
+    text = f"{value:#.{digits}g}".rstrip(".") if noughts else f"{value:.{digits}g}"
     if "e" not in text:
         return _minus(text)
     mantissa, power = text.split("e")

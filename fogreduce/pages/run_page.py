@@ -89,7 +89,7 @@ def run_page(folder: Path, seen: dict[str, Any] | None = None) -> str:
         "rate_fit": _fit_rows(tables["rate_fit"], "axis", "deg_s", "deg_s2"),
         "gyro_fit": _fit_rows(tables["gyro_fit"], "gyro", raw_unit.suffix, raw_unit.slope_suffix),
         "raw_unit": raw_unit,
-        "noise": [(gyro, number(value, 3)) for gyro, value in seen["noise"].items()],
+        "noise": [(gyro, number(value, 3, noughts=True)) for gyro, value in seen["noise"].items()],
         "encoder": _encoder_rows(tables["encoder"]),
         "figures": figures,
         "linked": linked,
@@ -120,7 +120,9 @@ def _whole_run(seen: dict[str, Any]) -> list[dict[str, str]]:
         for kind in ("offset", "drift"):
             entry = seen[kind].get(axis, {})
             row[kind] = plus_minus(entry.get("value"), combined(entry))
-            row[f"{kind}_noise"] = "" if entry.get("error") is None else f"± {number(entry['error'], 2)}"
+            row[f"{kind}_noise"] = (
+                "" if entry.get("error") is None else f"± {number(entry['error'], 2, noughts=True)}"
+            )
         rows.append(row)
     return rows
 

@@ -21,6 +21,11 @@ def test_ticks_are_told_apart(values, texts):
     assert apart(values) == texts
 
 
+def test_noughts_at_the_end_stand_where_digits_are_counted():
+    found = [number(value, 2, noughts=True) for value in (0.004, 0.0043, 12.0, -0.3)]
+    assert found == ["0.0040", "0.0043", "12", "−0.30"]
+
+
 def test_rounding_is_no_number():
     """What 10 deg/s leave in deg/h where they are subtracted from themselves."""
     commanded = 36_000.0
