@@ -60,7 +60,7 @@ class Product:
 def products(readings: Sequence[Readings], noise: Sequence[GyroNoise]) -> list[Product]:
     """Products of every gyro in every run; a gyro that gave nothing in a run is left out.
 
-    Unit of readings: what the record's bias is in, over `unit_of` of the gyro, so that numbers are deg/h.
+    Readings are in deg/h by the present scale factor (`deg_h_per_raw`).
     """
     found = []
     for k, one in enumerate(readings):
@@ -76,7 +76,7 @@ def products(readings: Sequence[Readings], noise: Sequence[GyroNoise]) -> list[P
 
 
 def columns(one: Readings, gyro: int, there: NDArray[np.bool_]) -> Array:
-    """The columns of a gyro in a run, (bins, k).
+    """The columns of a gyro in a run, (bins, k), at the bins `there` (m,).
 
     Readings in deg/h by the present scale factor, less the present record's bias and rate.
     """

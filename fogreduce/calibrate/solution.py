@@ -174,7 +174,7 @@ class Small:
 
 
 def of_unknowns(one: Product, layout: Layout, values: Array) -> Small:
-    """The columns of motion put together with the present s."""
+    """The columns of motion put together with the present s, out of `values` (p,) of all unknowns."""
     s = values[layout.vector(one.gyro)]
     width = layout.per_gyro + _SOURCES + 1
     to = np.zeros((len(one.gram), width))
@@ -215,7 +215,10 @@ class _Stack:
         )
 
     def summed(self, turn_on: Array) -> tuple[Array, Array, float, float]:
-        """Information, right-hand side, square of the readings and ln det of their covariance."""
+        """Information, right-hand side, square of the readings and ln det of their covariance.
+
+        `turn_on` (n,): turn-on bias of each gyro [deg/h].
+        """
         variance = turn_on[self.gyro] ** 2
         ones = self.gram[:, 0]
         # A bias common to a run's readings: V + tau^2 1 1' by Sherman and Morrison.

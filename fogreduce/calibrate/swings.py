@@ -119,6 +119,8 @@ def _usable(block: Block, swing: Swing) -> tuple[NDArray[np.bool_], Array]:
 def at_instants(pulse: NDArray[np.int64], time_us: NDArray[np.int64], values: Array) -> tuple[Array, Array]:
     """Samples at equal intervals, (N,) [s] and (n, N), NaN for a pulse without one.
 
+    `pulse` (m,), their stamps `time_us` (m,) [us] and `values` (n, m) are those that are there.
+
     The instants are the straight line through the stamps against their pulses: stamps of whole microseconds
     are off by up to a half, which a wave of some deg/s shows.
     """
@@ -133,7 +135,10 @@ def at_instants(pulse: NDArray[np.int64], time_us: NDArray[np.int64], values: Ar
 
 
 def gyro_rates(facts: RunFacts, time_s: Array, raw: Array) -> Array:
-    """What gyros read of the table [deg/s], from raw readings (n, N): by the record, without Earth's part."""
+    """What gyros read of the table (n, N) [deg/s], from raw readings (n, N) at times (N,) [s].
+
+    By the record, without Earth's part.
+    """
     rate = (raw * facts.polarity[:, None] - facts.bias[:, None]) / facts.scale_factor[:, None]
     table = np.outer(facts.commanded_signs, facts.profile.rate_at(time_s))
     earth: Array = axis_rates(facts, time_s) - table

@@ -37,7 +37,7 @@ BIAS, SCALE_FACTOR = "gyro{}'s bias", "gyro{}'s scale factor"
 
 
 def axis_words(gyro: int, direction: Array) -> str:
-    """What a gyro's axis towards a direction across it is called; `gyro` from 0."""
+    """What a gyro's axis towards a direction (3,) across it is called; `gyro` from 0."""
     x, y, z = np.round(direction, 2) + 0.0  # no sign of a zero
     return f"gyro{gyro + 1}'s axis towards [{x:.2f}, {y:.2f}, {z:.2f}]"
 
@@ -87,7 +87,7 @@ class Undetermined:
 
 
 def undetermined(solution: Solution, axes: Array, ignorance: Ignorance) -> list[Undetermined]:
-    """What the campaign does not determine: sets of parameters that move together."""
+    """What the campaign does not determine: sets of parameters that move together; `axes` (n, 3)."""
     basis, names = _scaled(solution.layout, axes, ignorance)
     values, vectors = np.linalg.eigh(basis.T @ _of_gyros(solution.information, solution.layout) @ basis)
     open_ways = vectors[:, values < _HALVED]
@@ -143,6 +143,8 @@ def run_that_determines(
     readings: Sequence[Readings],
 ) -> dict[str, Any] | None:
     """The run, of turns both ways and a standstill about x, y or z, that leaves least of it open.
+
+    `axes` (n, 3): input axes by the present record.
 
     Returns
     -------

@@ -83,7 +83,7 @@ def _thinned(one: Deviations) -> NDArray[np.int64]:
 
 
 def draw_limits(axes: Axes, one: Deviations, shown: NDArray[np.int64], color: str) -> None:
-    """Limits of 95 % and 68 % at some of the averaging times, as upright lines."""
+    """Limits of 95 % and 68 % at some averaging times, numbers `shown` (s,), as upright lines."""
     for low, high, width in ((one.low_95, one.high_95, 0.8), (one.low_68, one.high_68, 2.2)):
         axes.vlines(one.tau_s[shown], low[shown], high[shown], color=color, linewidth=width)
 

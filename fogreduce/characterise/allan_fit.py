@@ -152,7 +152,7 @@ def fit_noise_terms(
 
 
 def model_variance(coefficients: list[Coefficient], tau_s: Array) -> Array:
-    """Allan variance [(deg/h)^2] of the coefficients, negative squares taken as they are."""
+    """Allan variance [(deg/h)^2] of the coefficients at `tau_s` (k,), negative squares taken as they are."""
     found = np.zeros_like(tau_s)
     for one in coefficients:
         found += one.square * one.noise.deviation(tau_s) ** 2

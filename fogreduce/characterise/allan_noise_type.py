@@ -57,8 +57,8 @@ def _alpha(series: Series, m: int) -> float | None:
     if of_differences is None:
         return None
     types = np.array([0, -1, -2])
-    known = [second_difference_correlation(int(alpha)) for alpha in types]
-    return float(np.interp(of_differences, known, types))
+    by_type = [second_difference_correlation(int(alpha)) for alpha in types]
+    return float(np.interp(of_differences, by_type, types))
 
 
 def _means(series: Series, m: int, offset: int) -> Array:

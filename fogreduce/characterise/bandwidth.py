@@ -40,7 +40,7 @@ class Swung:
 
 @dataclass(frozen=True)
 class Line:
-    """Response at a frequency [Hz]: gain, phase [deg], their standard errors; NaN where it is not told."""
+    """Response at a frequency [Hz]: gain, phase [deg], their standard errors; NaN where it is not seen."""
 
     frequency_hz: float
     gain: float
@@ -87,9 +87,9 @@ def bandwidth_quantity(gyro: int, swung: Sequence[Swung], needs: Mapping[int, li
     """The best known one of the runs; of runs that show no pole, the highest bound."""
     of = f"gyro{gyro + 1}"
     mine = [one for one in swung if one.gyro == gyro]
-    told = [one for one in mine if one.pole.seen]
-    if told:
-        best = min(told, key=lambda one: one.pole.std_s / one.pole.tau_s)
+    seen = [one for one in mine if one.pole.seen]
+    if seen:
+        best = min(seen, key=lambda one: one.pole.std_s / one.pole.tau_s)
         tau, std = best.pole.tau_s, best.pole.std_s
         low, high = bandwidth_hz(tau + K95 * std), bandwidth_hz(tau - K95 * std)
         note = f"{_of(best)}; time constant {1e3 * tau:.6g} ms, delay {1e3 * best.pole.delay_s:.4g} ms"

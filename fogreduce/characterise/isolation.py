@@ -102,7 +102,10 @@ def by_own_noise(scatter: Array, count: Array, before: slice, after: slice) -> E
 
 
 def by_history(size: float, row: Array, usual: Array) -> Evidence | None:
-    """A parity step of `size` [deg/h] as a step of each gyro's bias, whose scatter `usual` (n,) is known."""
+    """A parity step of `size` [deg/h] as a step of each gyro's bias.
+
+    `row` (n,): of the parity; `usual` (n,): scatter of the biases [deg/h].
+    """
     if not (usual > 0).all():
         return None
     step = size / row

@@ -49,8 +49,8 @@ def report_shapes(found: Derivation) -> list[Shape]:
     warmed = any(one.warming is not None for one in found.readings)
     more = (("electronics_bias",) if logged else ()) + (("warming_bias",) if warmed else ())
     prior = prior_of(found.readings[0])
-    alone = fitted_shapes(found.products, found.solution, prior, more)
+    singly = fitted_shapes(found.products, found.solution, prior, more)
     # A field and the vertical keep their angle: what belongs to either is told apart together only.
     of_place = (*ACCELERATION, MAGNETIC) if field_is_stated(found) else ACCELERATION
     together = fitted_shapes(found.products, found.solution, prior, of_place, together=True)
-    return [*found.shapes, *alone, *together]
+    return [*found.shapes, *singly, *together]

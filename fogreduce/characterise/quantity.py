@@ -68,7 +68,7 @@ def undetermined(name: str, of: str, unit: str, needs: str) -> Quantity:
 
 
 def largest_error(std: Array) -> float:
-    """What the largest of several errors does not exceed in 95 % of cases, however they are correlated.
+    """What the largest of errors of `std` (m,) does not exceed in 95 % of cases, however they are correlated.
 
     The largest of estimates differs from the largest of true values by no more (the maximum norm is a norm).
     Source: Sidak, Journal of the American Statistical Association 62 (1967) 626.

@@ -70,7 +70,10 @@ def scatter_limit(samples: float, freedom: float, wanted: float) -> float:
 
 
 def scatter_gain(ratio: Array, freedom: Array, wanted: float) -> Array:
-    """Log likelihood ratio of sample variances, `ratio` times the usual one: `wanted` times it against 1."""
+    """Log likelihood ratio (m,) of sample variances, `ratio` (m,) times the usual one, of `freedom` (m,).
+
+    `wanted` times the usual variance is held against the usual one.
+    """
     found: Array = freedom / 2 * (ratio * (1 - 1 / wanted) - math.log(wanted))
     return found
 

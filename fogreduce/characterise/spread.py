@@ -107,7 +107,10 @@ def _within(grams: Sequence[Array], ones: Array, columns: Array) -> tuple[Array,
 
 
 def about_solution(gram: Array, change: Array, shapes: Sequence[str] = ()) -> Array:
-    """(5 + k, 5 + k): products of (1, Omega, k shapes, reading less what the solution makes of it)."""
+    """(5 + k, 5 + k): products of (1, Omega, k shapes, reading less what the solution makes of it).
+
+    `gram`: of a `Product`; `change` (4,): as of `spread_of_runs`.
+    """
     to = np.zeros((len(gram), 5 + len(shapes)))
     to[ONE, 0] = 1.0
     to[MOTION, 1:4] = np.eye(3)

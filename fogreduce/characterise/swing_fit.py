@@ -108,7 +108,7 @@ class Samples:
         return np.isfinite(self.white)
 
     def whitened(self, values: Array) -> Array:
-        """Values after the whitening filter, as many less as it has terms."""
+        """Values (N,) after the whitening filter of k terms, (N - k + 1,)."""
         return np.convolve(values, self.whitening, mode="valid")
 
     def response(self, tau_s: float, delay_s: float) -> Array:

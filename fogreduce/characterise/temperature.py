@@ -117,9 +117,9 @@ def _warm_up(found: Derivation, gyro: int, of: str, choices: Definitions) -> Qua
     fitted = warm_up_of(longest, covariance(longest, gyro, found.noise[gyro]), values)
     note = f"run {longest.facts.run_id}, band ±{band:g} deg/h; within it from the start where 0"
     if fitted is None or fitted.gain < _SIGNIFICANT:
-        known = math.inf if fitted is None else K95 * math.sqrt(float(fitted.covariance[0, 0]))
-        if known > band:
-            return undetermined("warm_up", of, "s", f"a band of {known:.2g} deg/h or more: noise hides less")
+        hidden = math.inf if fitted is None else K95 * math.sqrt(float(fitted.covariance[0, 0]))
+        if hidden > band:
+            return undetermined("warm_up", of, "s", f"a band of {hidden:.2g} deg/h or more: noise hides less")
         return Quantity("warm_up", of, "s", 0.0, 0.0, 0.0, note=note)
     ratio = abs(fitted.amplitude) / band
     if fitted.time_s > 0.45 * float(longest.time_s[-1]):

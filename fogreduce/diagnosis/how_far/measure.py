@@ -85,7 +85,7 @@ def shows(left: WhitenedResidual, columns: Array, prior: float) -> bool:
 
 
 def scattered(left: float, before: Array, after: Array, of_before: Array, of_after: Array) -> float:
-    """Variance of |after|^2 - left |before|^2, deviates (r,) of covariances (r, r) under noise.
+    """Variance of |after|^2 - left |before|^2, deviates (r,) of covariances `of_...` (r, r) under noise.
 
     Both have the same noise, unless they are of different metrics.
     """

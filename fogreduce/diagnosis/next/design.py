@@ -57,8 +57,6 @@ class NextRun:
         The cause whose rivals it separates.
     rivals : tuple of Cause
         With their fitted values, the cause itself first.
-    separation : (rivals, rivals) array
-        Distances of their predictions [sigma].
     document : mapping
         As a diagnosis has it.
     """
@@ -66,7 +64,6 @@ class NextRun:
     proposal: Proposal
     one: Named
     rivals: tuple[Cause, ...]
-    separation: Array
     document: dict[str, Any]
 
 
@@ -84,11 +81,11 @@ def proposed(search: Search, verdict: Verdict, limits: Bench = ANY_BENCH) -> Nex
     if not doubtful:
         return None
     one = min(doubtful, key=lambda named: named.probability)
-    own = verdict.state.causes[one.index]
-    others = [(o, p) for o, p in one.group if o.key != own.key][: _MOST_RIVALS - 1]
-    rivals = (own, *(o.cause() for o, _ in others))
+    leading = verdict.state.causes[one.index]
+    others = [(o, p) for o, p in one.group if o.key != leading.key][: _MOST_RIVALS - 1]
+    rivals = (leading, *(o.cause() for o, _ in others))
     weight = np.array([max(one.probability, 1e-3), *(max(p, 1e-3) for _, p in others)])
-    evidence = _evidence(one, own, [o for o, _ in others])
+    evidence = _evidence(one, leading, [o for o, _ in others])
     separations = _Separations(search, rivals, evidence, _today(search, verdict, rivals))
     soaks = any(EFFECTS[c.effect].needs_temperature and not c.unlogged for c in rivals)
     motion = _best(separations, list(proposals(search.data.inputs, soaks, limits)), weight)
@@ -101,7 +98,7 @@ def proposed(search: Search, verdict: Verdict, limits: Bench = ANY_BENCH) -> Nex
         if separated_rivals(separation, weight, _PROMISING_SIGMA)[0] >= _SEPARATED_SIGMA:
             break
     document = _document(search.data.inputs, chosen, rivals, separation, weight)
-    return NextRun(chosen, one, rivals, separation, document)
+    return NextRun(chosen, one, rivals, document)
 
 
 def _best(separations: _Separations, runs: Sequence[Proposal], weight: Array) -> Proposal:
@@ -140,9 +137,9 @@ def _sizes(cause: Cause) -> Array:
     return np.array([cause.theta[name] for name in names]) if len(names) > 1 else np.ones(1)
 
 
-def _evidence(one: Named, own: Cause, others: Sequence[Option]) -> Array:
+def _evidence(one: Named, leading: Cause, others: Sequence[Option]) -> Array:
     """Ln evidence of each rival from today's runs, the cause itself first."""
-    mine = next((o.log_b for o, _ in one.group if o.key == own.key), others[0].log_b)
+    mine = next((o.log_b for o, _ in one.group if o.key == leading.key), others[0].log_b)
     return np.array([mine, *(o.log_b for o in others)])
 
 
@@ -160,8 +157,8 @@ def separation_squared(today: Blocks, new: Blocks, sizes: tuple[Array, Array]) -
     """
     if min(float(np.trace(today[k][k])) for k in (0, 1)) <= 0.0:
         # a random process has no change of its own to be scaled
-        own = [float(sizes[a] @ new[a][b] @ sizes[b]) for a, b in ((0, 0), (1, 1), (0, 1))]
-        return own[0] + own[1] - 2.0 * own[2]
+        first, second, both = (float(sizes[a] @ new[a][b] @ sizes[b]) for a, b in ((0, 0), (1, 1), (0, 1)))
+        return first + second - 2.0 * both
     whole = [[today[a][b] + new[a][b] for b in (0, 1)] for a in (0, 1)]
     # what today's runs have said already is not said again
     said = [_left(whole, k, sizes[k]) - _left(today, k, sizes[k]) for k in (0, 1)]
@@ -171,8 +168,8 @@ def separation_squared(today: Blocks, new: Blocks, sizes: tuple[Array, Array]) -
 def _left(gram: Blocks, k: int, sizes: Array) -> float:
     """What is left of one rival beside the other."""
     cross = gram[k][1 - k]
-    beside = cross @ np.linalg.pinv(gram[1 - k][1 - k], rcond=1e-10, hermitian=True) @ cross.T
-    return float(sizes @ (gram[k][k] - beside) @ sizes)
+    shared = cross @ np.linalg.pinv(gram[1 - k][1 - k], rcond=1e-10, hermitian=True) @ cross.T
+    return float(sizes @ (gram[k][k] - shared) @ sizes)
 
 
 def confusion(separation: Array, weight: Array) -> float:

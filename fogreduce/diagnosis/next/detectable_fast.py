@@ -159,7 +159,7 @@ def _lines(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     unit = white * np.sqrt(2.0 / samples) / _KEPT
     more = np.log(2.0 * count)
     at = {"frequency_hz": f"any from {LEAST_HZ:g} to {0.49 * rate:g}"}
-    own = _moduli(runs, threshold(1.0 / n) + more, probability)
+    least = _moduli(runs, threshold(1.0 / n) + more, probability)
     seen = facts.axes * facts.frame_signs / unit[:, None]
     for i in range(n):
         left = 1.0
@@ -167,9 +167,16 @@ def _lines(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
             basis = np.linalg.qr(seen)[0]
             left = float(np.sqrt(max(1.0 - np.sum(basis[i] ** 2), 0.0)))
         rivals = () if left * 10.0 >= SEPARATED_SIGMA and n > 1 else ("base_motion table",)
-        amplitude = None if own is None else own * float(unit[i])
+        amplitude = None if least is None else least * float(unit[i])
         yield Row(
-            "periodic_interference", (gyro_name(i),), ("*",), "deg_h", amplitude, own is not None, at, rivals
+            "periodic_interference",
+            (gyro_name(i),),
+            ("*",),
+            "deg_h",
+            amplitude,
+            least is not None,
+            at,
+            rivals,
         )
     if n < 2:
         return
@@ -229,14 +236,14 @@ def _converter(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:
     if samples < 1000:
         return
     for i in range(n):
-        own = _moduli(len(inputs), threshold(1.0 / n) + np.log(len(WAVES)), probability)
+        least = _moduli(len(inputs), threshold(1.0 / n) + np.log(len(WAVES)), probability)
         kappa = 1.0 / sigma[i]
         # what the error does to each second's mean is taken for something slow
         lost = np.exp(-((kappa * sigma[i]) ** 2)) / sigma[i] ** 2
         information = samples * (kappa**2 + 1.0 / sigma[i] ** 2 - lost)
-        amplitude = None if own is None else own / float(np.sqrt(information / 2.0))
+        amplitude = None if least is None else least / float(np.sqrt(information / 2.0))
         at = {"period_volts": float(2.0 * np.pi * sigma[i])}
-        yield Row("adc_nonlinearity", (gyro_name(i),), ("*",), "volts", amplitude, own is not None, at)
+        yield Row("adc_nonlinearity", (gyro_name(i),), ("*",), "volts", amplitude, least is not None, at)
 
 
 def _clock(inputs: Sequence[RunInput], probability: float) -> Iterator[Row]:

@@ -151,8 +151,8 @@ def _outcome(found: dict[str, Any], truth: Cause, to_separate: Sequence[str]) ->
     """What the second diagnosis says of a truth."""
     causes = found["causes"]
     names = [in_words(c) for c in causes]
-    own = next((c for c in causes if named(truth) in [in_words(m) for m in c["group"]]), None)
-    group = [] if own is None else [in_words(m) for m in own["group"]]
+    groups = ([in_words(m) for m in c["group"]] for c in causes)
+    group = next((members for members in groups if named(truth) in members), [])
     members = [m for c in causes for m in c["group"] if in_words(m) == named(truth)]
     rivals = [name for name in to_separate if name != named(truth)]
     return {

@@ -91,6 +91,7 @@ def run_levels(runs: Sequence[FullRate], inputs: Sequence[RunInput], stated: Arr
 
     Of a gyro's runs, the one in the middle is the measure, the record's own level counted as one more run.
     Runs of one rate and piece are compared line by line: a filter that they share leaves that as it is.
+    `stated` (n,): white noise by the record [deg/sqrt(h)]; `bits` (n,): lost at each gyro.
     """
     n = len(stated)
     levels, error = np.ones((len(runs), n)), np.full((len(runs), n), np.inf)
