@@ -50,6 +50,7 @@ class Search:
     _filters: dict[bytes, dict[tuple[object, ...], Array]] = field(
         init=False, default_factory=dict, repr=False
     )
+    _builder: Builder | None = field(init=False, default=None, repr=False)
     _processes: ProcessCache = field(init=False, default_factory=ProcessCache, repr=False)
 
     def __post_init__(self) -> None:
@@ -71,7 +72,8 @@ class Search:
         nominal = whiten.rows.stacked([one.scene.block_means() for one in data.inputs])
         y = whiten(whiten.rows.stacked(full_rate.data.residual)[:, None])[:, 0]
         metric = Metric.of(whiten(nuisances(data.inputs, actions)))
-        builder = Builder(data.inputs, whiten, actions, self.allowed, data.rails)
+        builder = Builder(data.inputs, whiten, actions, self.allowed, data.rails, self._builder)
+        self._builder = builder
         return Problem(
             whiten,
             metric,

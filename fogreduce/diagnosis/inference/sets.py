@@ -153,14 +153,15 @@ class SetSearch:
             if whole[best] > _above(here):
                 here = self.with_option(here, best, more)
                 continue
-            kind = self._with_kind(here)
+            kind = self._with_kind(here, whole)
             if kind is None:
                 return here
             here = kind
 
-    def _with_kind(self, here: CauseSet) -> CauseSet | None:
-        """A set with further places of one kind that pay together, though none alone; None if none do."""
-        whole, _ = self.scores(here)
+    def _with_kind(self, here: CauseSet, whole: Array) -> CauseSet | None:
+        """A set, of these scores, with further places of one kind that pay together, though none alone; None
+        if none do.
+        """
         taken = self.entries(here.members)
         there = Counter(self.kind(e) for e in taken)
         best: dict[Kind, list[float]] = {}
@@ -260,10 +261,12 @@ class SetSearch:
 
     def best(self, start: Sequence[Member] = ()) -> CauseSet:
         """The set of the greatest posterior that the moves lead to."""
-        here = self.of(start)
+        here, moved = self.of(start), None
         while True:
             before = here.score
             here = self.exchanged(self.rescaled(self.pruned(self.grown(here))))
-            here = self.kinds_moved(here)
+            if here is moved:
+                return here  # no whole kind is better moved from it: that was tried
+            here = moved = self.kinds_moved(here)
             if here.score <= before + _ENDED + _ROUNDING * abs(before):
                 return here

@@ -29,6 +29,13 @@ class Builder:
     allowed : names of effects
     rails : mapping
         Gyro -> volts at which its converter seems to rest.
+    former : Builder or None
+        One of the same runs: what does not go with the whitening is taken from it.
+
+    Attributes
+    ----------
+    of_volts : dict
+        (effect, gyro) -> raw readings, and what a function of them adds, unwhitened: of the last chain.
     """
 
     def __init__(
@@ -38,6 +45,7 @@ class Builder:
         base: Sequence[Action],
         allowed: frozenset[str],
         rails: Mapping[int, float],
+        former: Builder | None = None,
     ) -> None:
         self.inputs, self.whiten, self.base = inputs, whiten, list(base)
         self.allowed, self.rails = allowed, rails
@@ -47,18 +55,25 @@ class Builder:
         self.warm = all(one.scene.temperature is not None for one in inputs)
         self.turning = [bool(np.any(one.facts.profile.rate_deg_s != 0.0)) for one in inputs]
         self.names = [gyro_name(i) for i in range(self.n)]
+        alike = former is not None and former.base == self.base
+        self._changes: dict[str, Array] = former._changes if former is not None and alike else {}
+        self.of_volts: dict[tuple[str, int], tuple[Array, Array]] = {} if former is None else former.of_volts
         self.longest_s = max(one.scene.blocks.count * one.scene.blocks.length_s for one in inputs)
 
     def difference(self, specs: Sequence[tuple[str, Sequence[str], Mapping[str, Any]]]) -> Array:
         """What effects (name, channels, parameters) together change, unwhitened: (rows,) [deg/h]."""
-        actions = [
-            action(effect, channels, self.ids, parameters, self.n) for effect, channels, parameters in specs
-        ]
-        changed = [
-            one.scene.block_means([*self.base, *actions]) - before
-            for one, before in zip(self.inputs, self.plain, strict=True)
-        ]
-        return self.whiten.rows.stacked(changed)
+        key = repr(specs)
+        if key not in self._changes:
+            actions = [
+                action(effect, channels, self.ids, parameters, self.n)
+                for effect, channels, parameters in specs
+            ]
+            changed = [
+                one.scene.block_means([*self.base, *actions]) - before
+                for one, before in zip(self.inputs, self.plain, strict=True)
+            ]
+            self._changes[key] = self.whiten.rows.stacked(changed)
+        return self._changes[key]
 
     def per_gyro(self, effect: str, parameters: Mapping[str, Any]) -> Array:
         """What an effect alike at every gyro changes, unwhitened: (rows,) [deg/h]."""

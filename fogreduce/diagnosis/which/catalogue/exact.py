@@ -4,7 +4,7 @@ a wrong sense, a turned sign, exchanged gyros.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import groupby
 
@@ -64,27 +64,35 @@ def of_volts(effect: Effect, design: Design, build: Builder) -> Iterator[Candida
         if _levels(np.abs(means) / largest) < _FEWEST_LEVELS:
             continue
         grid = tuple({shape: share * largest} for share in shares)
-        parts = []
-        for one, v in zip(build.inputs, volts, strict=True):
-            place = Place("", i, (), build.n, partial(stream, 0, "gap"))
-            at = At(
-                place,
-                one.scene.blocks.time_s,
-                1.0,
-                one.scene.turning.motion,
-                one.facts.axes[i],
-                None,
-                v,
-                v[i],
-            )
-            # a table that stands or turns evenly gives few readings, many times over
-            levels, back = np.unique(v[i], return_inverse=True)
-            added = [effect.forward(levels, {size: design.step, **point}, at) - levels for point in grid]
-            per_volt = SECONDS_PER_HOUR / float(one.facts.polarity[i] * one.facts.scale_factor[i])
-            parts.append(one.scene.blocks.means(np.take(added, back, axis=1)).T * per_volt)
-        white = build.whiten(np.concatenate(parts), build.whiten.rows.of(i))[:, :, None]
+        points = [{size: design.step, **point} for point in grid]
+        added = _added(effect, points, i, volts, build)
+        white = build.whiten(added, build.whiten.rows.of(i))[:, :, None]
         steps = np.full((len(grid), 1), design.step)
         yield build.at_gyro(effect.name, i, white, grid=grid, scales=(size,), steps=steps)
+
+
+def _added(
+    effect: Effect, points: Sequence[Mapping[str, float]], i: int, volts: Sequence[Array], build: Builder
+) -> Array:
+    """What a function of the raw readings (n, samples) of each run adds at gyro i.
+
+    Unwhitened, (rows of i, points) [deg/h]; worked out once for the same readings.
+    """
+    asked = np.concatenate([v[i] for v in volts])
+    there = build.of_volts.get((effect.name, i))
+    if there is not None and np.array_equal(there[0], asked):
+        return there[1]
+    parts = []
+    for one, v in zip(build.inputs, volts, strict=True):
+        place, motion = Place("", i, (), build.n, partial(stream, 0, "gap")), one.scene.turning.motion
+        at = At(place, one.scene.blocks.time_s, 1.0, motion, one.facts.axes[i], None, v, v[i])
+        # a table that stands or turns evenly gives few readings, many times over
+        levels, back = np.unique(v[i], return_inverse=True)
+        added = [effect.forward(levels, point, at) - levels for point in points]
+        per_volt = SECONDS_PER_HOUR / float(one.facts.polarity[i] * one.facts.scale_factor[i])
+        parts.append(one.scene.blocks.means(np.take(added, back, axis=1)).T * per_volt)
+    build.of_volts[effect.name, i] = asked, np.concatenate(parts)
+    return build.of_volts[effect.name, i][1]
 
 
 def _volts(effect: Effect, one: RunInput, build: Builder) -> Array:
