@@ -29,8 +29,8 @@ _MORE_PAGES = (
         "the calibration derived from it: a candidate record, which no result uses until a person names it",
     ),
 )
-#: A unit leads to the page of its calibration records.
-_UNIT_LINK = '<a href="../_units/{0}.html">{0}</a>'
+#: A unit leads to its part of the index, which a bag has too, and from there to its calibration records.
+_UNIT_LINK = '<a href="../index.html#unit-{0}">{0}</a>'
 #: So many failed runs stand at the top; all stand in the table of runs.
 _MOST_FAILED = 10
 #: So many rows of the table are laid out at first, where the page's script can show the rest.

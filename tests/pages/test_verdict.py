@@ -126,6 +126,8 @@ def test_no_link_of_run_campaign_and_index_is_dead(lab, tmp_path) -> None:
     for path in (results / "index.html", results / "c1" / "index.html", results / "c1" / "r1" / "index.html"):
         links = [attrs["href"] for attrs in html_checks.Page(path.read_text()).all("a")]
         assert links
-        assert any(link.endswith("_units/TETRA-01.html") for link in links)
-        assert [link for link in links if link[0] != "#" and not (path.parent / link).is_file()] == []
+        assert any(link.endswith(("_units/TETRA-01.html", "/index.html#unit-TETRA-01")) for link in links)
+        files = [link.partition("#")[0] for link in links if link[0] != "#"]
+        assert [file for file in files if not (path.parent / file).is_file()] == []
+    assert 'id="unit-TETRA-01"' in (results / "index.html").read_text()
     assert 'href="_report/index.html"' in (results / "c1" / "index.html").read_text()

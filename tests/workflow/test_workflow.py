@@ -90,7 +90,7 @@ def test_a_failed_run_stops_no_other_and_the_end_says_why(
     page = (results / "lab/index.html").read_text()
     assert "1 failed" in page
     assert "byte 0: found" in page
-    assert '"../../_units/TETRA-01.html"' in (results / "lab/a-steady/index.html").read_text()
+    assert '"../../index.html#unit-TETRA-01"' in (results / "lab/a-steady/index.html").read_text()
     assert (results / "_units/TETRA-01.html").is_file()
     assert not (results / "lab/c-broken/index.html").exists()
     assert "lab/index.html" in (results / "index.html").read_text()
