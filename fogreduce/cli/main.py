@@ -80,9 +80,9 @@ def parser_of(*names: str) -> tuple[argparse.ArgumentParser, dict[str, ModuleTyp
     )
     parser.add_argument("--version", action="version", version=f"fogreduce {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    modules = {}
-    for command in names or (COMMANDS | NODES):
-        file, text = (COMMANDS | NODES)[command]
+    modules, every = {}, COMMANDS | NODES
+    for command in names or every:
+        file, text = every[command]
         about = text[0].upper() + text[1:] + "."
         if command in COMMANDS:
             subparser = subparsers.add_parser(command, help=text, description=about)

@@ -11,7 +11,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from fogreduce.progress import progress
+from fogreduce.progress import Progress, progress, silent
 
 _NOTHING = "Nothing to be done"
 #: What Snakemake says whenever a job has ended; of failed ones, the end says why.
@@ -44,7 +44,7 @@ class Messages(logging.Handler):
         super().__init__()
         self._nothing_to_do = nothing_to_do
         self._bar = ExitStack()
-        self._advance: Callable[[int], None] = lambda done: None
+        self._advance: Progress = silent
         self._jobs = self._started = 0
         self.failed: list[FailedJob] = []
 

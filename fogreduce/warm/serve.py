@@ -27,11 +27,11 @@ SOCKET = "socket"
 ALWAYS = (
     *(f"fogreduce.cli.{name}" for name in ("manifest", "stage", "checksums", "warnings", "flags")),
     "fogreduce.datasets.readers.fogcap",
+    "fogreduce.pages.rate_flags",
     "fogreduce.provenance.manifest",
     "fogreduce.provenance.versions",
     "fogreduce.stages.nodes.calibrate",
     "fogreduce.stages.nodes.remove_earth",
-    "fogreduce.pages.rate_flags",
     "fogreduce.stages.run",
     "fogreduce.stages.summary",
     "numpy.fft",

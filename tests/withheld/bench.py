@@ -8,6 +8,7 @@ from withheld.effects.entry import Entry
 
 SCALE = 0.1  # V per deg/s
 COUNTS_PER_DEG_H = SCALE / 3600.0 / 1e-7
+UP_Y = (("y", "up"), ("x", "north"))
 
 
 def unit(n: int = 3, **changes: object) -> Unit:
@@ -63,3 +64,12 @@ def change(of: Campaign, *entries: Entry, number: int = 0) -> tuple[np.ndarray, 
 def world(of: Campaign, *entries: Entry) -> World:
     """The exact mode."""
     return exact_world(of, entries)
+
+
+def on(effect, gyro="gyro1", **parameters):
+    """An effect at a gyro, in every run."""
+    return Entry(effect, (gyro,), ("*",), parameters)
+
+
+#: Both senses, and a standstill.
+THREE = (run("a", 8.0, 200.0), run("b", -8.0, 200.0), run("c", 0.0, 200.0))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bench import COUNTS_PER_DEG_H, SCALE, campaign, change, run, unit
+from bench import COUNTS_PER_DEG_H, SCALE, campaign, change, on, run, unit
 
 from withheld.chain.campaign import Campaign
 from withheld.chain.capture_file import encode
@@ -23,10 +23,6 @@ def difference(entry, of=None, number=0):
 
 def rate_counts(deg_s):
     return np.asarray(deg_s) * SCALE / 1e-7
-
-
-def on(effect, gyro="gyro1", **parameters):
-    return Entry(effect, (gyro,), ("*",), parameters)
 
 
 def table(effect, **parameters):
